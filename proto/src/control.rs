@@ -148,10 +148,18 @@ impl DeviceInfo {
         let limit = "0 or a positive finite number";
         let is_limit = |x: f32| x.is_finite() && x >= 0.0;
         let is_scale = scale.is_finite() && scale > 0.0;
-        number("workspace_scale", scale, is_scale, "a positive finite number")?;
+        number(
+            "workspace_scale",
+            scale,
+            is_scale,
+            "a positive finite number",
+        )?;
         number("max_force_n", force, is_limit(force), limit)?;
         number("max_torque_nm", torque, is_limit(torque), limit)?;
-        for (field, found) in [("force_axes", self.force_axes), ("torque_axes", self.torque_axes)] {
+        for (field, found) in [
+            ("force_axes", self.force_axes),
+            ("torque_axes", self.torque_axes),
+        ] {
             if found > 3 {
                 return Err(format!("{field} is {found}, expected 0 to 3"));
             }

@@ -116,7 +116,11 @@ mod tests {
     #[test]
     fn every_kind_has_one_row_and_someone_who_may_send_it() {
         for (kind, scopes) in TABLE {
-            assert_eq!(TABLE.iter().filter(|row| row.0 == kind).count(), 1, "{kind:?}");
+            assert_eq!(
+                TABLE.iter().filter(|row| row.0 == kind).count(),
+                1,
+                "{kind:?}"
+            );
             assert!(scopes.iter().any(|scope| *scope != Scope::None), "{kind:?}");
         }
     }

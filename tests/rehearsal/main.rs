@@ -46,7 +46,8 @@ impl Class {
     fn new() -> Self {
         let place = Place::new();
         let mut roster = String::from("Learner;Station\n");
-        let mut stations = String::from("[class]\nname = \"rehearsal\"\n\n[defaults]\nresume_within_s = 60\n");
+        let mut stations =
+            String::from("[class]\nname = \"rehearsal\"\n\n[defaults]\nresume_within_s = 60\n");
         for (k, (name, exercise, _)) in STATIONS.iter().enumerate() {
             roster += &format!("{};{name}\n", learner(k));
             stations += &format!(
@@ -55,14 +56,26 @@ impl Class {
         }
         std::fs::write(place.path("roster.csv"), roster).expect("a roster");
         std::fs::write(place.path("stations.toml"), stations).expect("stations");
-        let add = ["token", "add", "--class", "roster.csv", "--out", "tickets.csv"];
+        let add = [
+            "token",
+            "add",
+            "--class",
+            "roster.csv",
+            "--out",
+            "tickets.csv",
+        ];
         place.run(Program::Server, &add).ok();
         let table = std::fs::read_to_string(place.path("tickets.csv")).expect("tickets");
         let tickets = (0..STATIONS.len())
             .map(|k| {
                 let line = table.lines().find(|line| line.contains(&learner(k)));
                 let cells = line.expect("a line for each learner").rsplit(',');
-                cells.into_iter().next().expect("a ticket").trim_matches('"').to_owned()
+                cells
+                    .into_iter()
+                    .next()
+                    .expect("a ticket")
+                    .trim_matches('"')
+                    .to_owned()
             })
             .collect();
         // A free port that stays the same when the server is started again.
@@ -82,7 +95,14 @@ impl Class {
 
     /// A token of an instructor for all stations, and a connection with it.
     fn instructor(&self) -> Instructor {
-        let add = ["token", "add", "--role", "instructor", "--out", "instructor.txt"];
+        let add = [
+            "token",
+            "add",
+            "--role",
+            "instructor",
+            "--out",
+            "instructor.txt",
+        ];
         if !self.place.path("instructor.txt").exists() {
             self.place.run(Program::Server, &add).ok();
         }
@@ -120,7 +140,12 @@ impl Class {
 }
 
 /// Waits for a status of a station that fits.
-fn until(instructor: &mut Instructor, station: &str, what: &str, fits: impl Fn(&StationStatus) -> bool) {
+fn until(
+    instructor: &mut Instructor,
+    station: &str,
+    what: &str,
+    fits: impl Fn(&StationStatus) -> bool,
+) {
     let patience = Instant::now() + Duration::from_secs(90);
     let mut newest = None;
     while Instant::now() < patience {
@@ -141,7 +166,11 @@ fn a_class_hour() {
     let began = Instant::now();
     let act = |name: &str| eprintln!("{:6.1} s  {name}", began.elapsed().as_secs_f64());
     // Compiled before the clock of the class runs.
-    let _ = (Program::Client.path(), Program::Server.path(), Program::Sessions.path());
+    let _ = (
+        Program::Client.path(),
+        Program::Server.path(),
+        Program::Sessions.path(),
+    );
     let class = Class::new();
 
     act("the server starts; every recording has its folder");
@@ -166,21 +195,37 @@ fn a_class_hour() {
     }
 
     act("the instructor pauses the second hand, notes, speaks, and lets it go on");
-    let paused = instructor.instruct("chair-2", Instruction::Pause).expect("an answer");
+    let paused = instructor
+        .instruct("chair-2", Instruction::Pause)
+        .expect("an answer");
     assert!(paused.taken && paused.tick > 0, "{paused:?}");
     until(&mut instructor, "chair-2", "a hand without force", |at| {
         at.paused && at.tools[0].force_n == 0.0 && at.tick > paused.tick + 500
     });
     let note = Instruction::Note("holds the probe too steeply".into());
-    assert!(instructor.instruct("chair-2", note).expect("an answer").taken);
+    assert!(
+        instructor
+            .instruct("chair-2", note)
+            .expect("an answer")
+            .taken
+    );
     let say = Instruction::Say("A little flatter, please.".into());
-    assert!(instructor.instruct("chair-2", say).expect("an answer").taken);
-    let resumed = instructor.instruct("chair-2", Instruction::Resume).expect("an answer");
+    assert!(
+        instructor
+            .instruct("chair-2", say)
+            .expect("an answer")
+            .taken
+    );
+    let resumed = instructor
+        .instruct("chair-2", Instruction::Resume)
+        .expect("an answer");
     assert!(resumed.taken && resumed.tick > paused.tick, "{resumed:?}");
 
     act("the cable of the third student is pulled, and put back");
     relay.cut(true);
-    until(&mut instructor, "chair-3", "a gap", |at| at.phase == Phase::Waiting);
+    until(&mut instructor, "chair-3", "a gap", |at| {
+        at.phase == Phase::Waiting
+    });
     relay.cut(false);
     until(&mut instructor, "chair-3", "a return", |at| {
         at.phase == Phase::Running && at.gaps == 1
@@ -207,7 +252,11 @@ fn a_class_hour() {
         assert_eq!(said["device"]["last_displayed_n"], 0.0, "{said}");
         let returns = said["link"]["returns"].as_u64();
         assert_eq!(returns, Some(if k == 2 { 2 } else { 1 }), "{said}");
-        assert_eq!(ended.stderr.contains("A little flatter"), k == 1, "{ended:#?}");
+        assert_eq!(
+            ended.stderr.contains("A little flatter"),
+            k == 1,
+            "{ended:#?}"
+        );
     }
     let stopped = std::process::Command::new("kill")
         .args(["-TERM", &server.process.id().to_string()])
@@ -234,7 +283,10 @@ fn a_class_hour() {
         let [first, second] = pair.as_slice() else {
             panic!("two recordings, found {pair:?}")
         };
-        let files = [first.to_str().expect("plain"), second.to_str().expect("plain")];
+        let files = [
+            first.to_str().expect("plain"),
+            second.to_str().expect("plain"),
+        ];
         let grade = class.sessions(&["grade", files[0], files[1], "--json"]);
         let grade: Value = grade.json();
         assert_eq!(grade["learner_id"], Value::from(learner(k)), "{grade}");

@@ -162,7 +162,11 @@ pub fn run(
         }
         report.overslept += late;
         grid_ns += (late + 1) * period_ns;
-        link.send_pose(&packet((report.periods, now, period_ns), &input.tools, &felt));
+        link.send_pose(&packet(
+            (report.periods, now, period_ns),
+            &input.tools,
+            &felt,
+        ));
         done.store(report.periods, Ordering::Relaxed);
 
         report.gate_closings += u64::from(was_open && gate < 1.0);

@@ -152,8 +152,7 @@ fn a_live_session_tells_what_its_replay_tells_and_keeps_what_was_called() {
         seed: 4,
     };
     let station = StationConfig::new(plan);
-    let mut config =
-        sulcus_server::ServerConfig::new(station, folder.path().to_owned()).unwrap();
+    let mut config = sulcus_server::ServerConfig::new(station, folder.path().to_owned()).unwrap();
     config.station_key = Some(folder.path().join("station.key"));
     let server = sulcus_server::Server::start(config).unwrap();
     let link = Link::connect(LinkConfig::new(

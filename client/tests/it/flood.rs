@@ -108,7 +108,10 @@ fn session(station: &Station, seconds: u64) -> SessionSummary {
         std::thread::sleep(Duration::from_millis(1));
     }
     let summary = link.finish().unwrap();
-    assert!(summary.complete && summary.end == EndReason::Stopped, "{summary:?}");
+    assert!(
+        summary.complete && summary.end == EndReason::Stopped,
+        "{summary:?}"
+    );
     let recording = Recording::open(&station.recording(&summary.recording)).unwrap();
     let report = replay(&recording, &ReplayOptions::default(), &mut |_| ()).unwrap();
     assert!(report.identical && report.gradable, "{report:?}");
@@ -141,7 +144,8 @@ fn a_flood_of_datagrams_is_dropped_with_a_sentence_and_reaches_no_other_station(
             100.0 * more
         );
         assert!(
-            told.iter().any(|text| text.contains("more than 4000 datagrams")),
+            told.iter()
+                .any(|text| text.contains("more than 4000 datagrams")),
             "{told:?}"
         );
         assert_eq!((loud.malformed, loud.foreign), (0, 0));
@@ -176,7 +180,8 @@ fn a_flood_of_control_messages_is_dropped_with_a_sentence() {
     });
     // A machine that is too slow for the flood reads it all, and then hears nothing.
     assert!(
-        text.as_deref().is_none_or(|text| text.contains("50000 control messages")),
+        text.as_deref()
+            .is_none_or(|text| text.contains("50000 control messages")),
         "{text:?}"
     );
 }
@@ -250,5 +255,11 @@ fn any_bytes_of_one_client_leave_the_server_and_the_other_station_alone() {
 fn memory_kib() -> u64 {
     let status = std::fs::read_to_string("/proc/self/status").unwrap();
     let line = status.lines().find_map(|line| line.strip_prefix("VmRSS:"));
-    line.unwrap().trim().split(' ').next().unwrap().parse().unwrap()
+    line.unwrap()
+        .trim()
+        .split(' ')
+        .next()
+        .unwrap()
+        .parse()
+        .unwrap()
 }

@@ -98,7 +98,8 @@ fn one_server_serves_one_client_after_the_other() {
         let mut link = station.connect().unwrap();
         link.start();
         press(&mut link, |link, _| {
-            link.latest_wrench().is_some_and(|w| w.datagram.tools[0].echo.valid)
+            link.latest_wrench()
+                .is_some_and(|w| w.datagram.tools[0].echo.valid)
         });
         let second = station.connect();
         assert!(

@@ -9,9 +9,7 @@ use crate::common::raw::Raw;
 use crate::common::{Station, force_up, press, press_on, status_of};
 use sulcus_connection::instructor::{Heard, Instructor};
 use sulcus_connection::link::{Link, LinkConfig, LinkError};
-use sulcus_proto::control::{
-    ButtonEdge, Command, Event, InputBatch, Instruct, Instruction, Show,
-};
+use sulcus_proto::control::{ButtonEdge, Command, Event, InputBatch, Instruct, Instruction, Show};
 use sulcus_proto::permission::{self, Kind, may};
 use sulcus_proto::station::Phase;
 use sulcus_proto::{ClientMessage, PoseDatagram, Role, ServerMessage, status};
@@ -189,7 +187,13 @@ fn every_message_of_every_role_does_what_the_table_says_and_nothing_else() {
                     }
                     (ClientMessage::Stop, true) => assert_eq!(outcome, Outcome::Ended, "{said}"),
                     // Plans of this server are fixed.
-                    (ClientMessage::Instruct(Instruct { instruction: Instruction::Plan(_), .. }), true) => {
+                    (
+                        ClientMessage::Instruct(Instruct {
+                            instruction: Instruction::Plan(_),
+                            ..
+                        }),
+                        true,
+                    ) => {
                         assert!(
                             matches!(&outcome, Outcome::Denied(text) if text.contains("fixed")),
                             "{said}"
@@ -258,7 +262,11 @@ fn a_token_opens_its_own_role_at_its_own_station_only() {
         for asked in [Role::Instructor, Role::Examiner, Role::Admin] {
             let joined = Instructor::connect(config_of(&server, asked, token.name()));
             let error = joined.as_ref().err().map(ToString::to_string);
-            assert_eq!(joined.is_ok(), token == asked, "{token} as {asked}: {error:?}");
+            assert_eq!(
+                joined.is_ok(),
+                token == asked,
+                "{token} as {asked}: {error:?}"
+            );
         }
     }
     let mut elsewhere = config_of(&server, Role::Student, "student");
@@ -307,9 +315,15 @@ fn a_revoked_token_ends_open_connections_too() {
     later.0.store(true, Ordering::Relaxed);
     press_on(&mut link, |link| !link.is_open());
     let error = link.finish().err().unwrap();
-    assert!(error.to_string().contains("revoked on 2026-11-26"), "{error}");
+    assert!(
+        error.to_string().contains("revoked on 2026-11-26"),
+        "{error}"
+    );
     let error = instructor.instruct("a", Instruction::Pause).err().unwrap();
-    assert!(error.to_string().contains("revoked on 2026-11-26"), "{error}");
+    assert!(
+        error.to_string().contains("revoked on 2026-11-26"),
+        "{error}"
+    );
 }
 
 /// A token that is over, with its sentence.
@@ -346,10 +360,17 @@ fn an_instructor_sees_and_steers_and_every_act_is_recorded_with_its_tick() {
     let mut instructor = watcher(&server, Role::Instructor);
     assert_eq!(instructor.welcome().stations, ["a"]);
     // Before the session: the level waits for the first tick.
-    let answer = instructor.instruct("a", Instruction::ForceLimit(0.3)).unwrap();
+    let answer = instructor
+        .instruct("a", Instruction::ForceLimit(0.3))
+        .unwrap();
     assert!(answer.taken && answer.tick == 0, "{answer:?}");
-    let nothing = instructor.instruct("a", Instruction::Note("early".into())).unwrap();
-    assert!(!nothing.taken && nothing.text.contains("no session"), "{nothing:?}");
+    let nothing = instructor
+        .instruct("a", Instruction::Note("early".into()))
+        .unwrap();
+    assert!(
+        !nothing.taken && nothing.text.contains("no session"),
+        "{nothing:?}"
+    );
     let mut link = Link::connect(config_of(&server, Role::Student, "student")).unwrap();
     link.start();
     press(&mut link, |link, _| force_up(link) > 0.25);
@@ -377,9 +398,13 @@ fn an_instructor_sees_and_steers_and_every_act_is_recorded_with_its_tick() {
     ] {
         assert!(instructor.instruct("a", instruction).unwrap().taken);
     }
-    let no = instructor.instruct("a", Instruction::ForceLimit(-1.0)).unwrap();
+    let no = instructor
+        .instruct("a", Instruction::ForceLimit(-1.0))
+        .unwrap();
     assert!(!no.taken && no.text.contains("-1"), "{no:?}");
-    let long = instructor.instruct("a", Instruction::Note("x".repeat(20_000))).unwrap();
+    let long = instructor
+        .instruct("a", Instruction::Note("x".repeat(20_000)))
+        .unwrap();
     assert!(!long.taken && long.text.contains("20000 bytes"), "{long:?}");
     assert!(!instructor.instruct("b", Instruction::Pause).unwrap().taken);
     // Status: who set the level, what the hand feels.
@@ -400,7 +425,11 @@ fn an_instructor_sees_and_steers_and_every_act_is_recorded_with_its_tick() {
     });
     assert!(instructor.instruct("a", Instruction::End).unwrap().taken);
     let goodbye = link.finish_with_text().unwrap();
-    assert!(goodbye.text.contains("instructor ended"), "{}", goodbye.text);
+    assert!(
+        goodbye.text.contains("instructor ended"),
+        "{}",
+        goodbye.text
+    );
     let recording = Recording::open(&server.recording(&goodbye.summary.recording)).unwrap();
     let mut said = Vec::new();
     let mut first_paused = 0;
@@ -411,7 +440,10 @@ fn an_instructor_sees_and_steers_and_every_act_is_recorded_with_its_tick() {
             _ => {}
         }
     }
-    assert_eq!(first_paused, paused.tick, "the answer names the tick that obeyed");
+    assert_eq!(
+        first_paused, paused.tick,
+        "the answer names the tick that obeyed"
+    );
     for (kind, by) in [
         ("instructed", "t-instructor"),
         ("instructed", "t-examiner"),
@@ -420,7 +452,9 @@ fn an_instructor_sees_and_steers_and_every_act_is_recorded_with_its_tick() {
         ("message", "t-instructor"),
         ("ended", "t-instructor"),
     ] {
-        let found = said.iter().any(|event| event.kind == kind && event.data["by"] == by);
+        let found = said
+            .iter()
+            .any(|event| event.kind == kind && event.data["by"] == by);
         assert!(found, "{kind} by {by}: {said:?}");
     }
     // The instructor has heard the same events live.
@@ -432,5 +466,8 @@ fn an_instructor_sees_and_steers_and_every_act_is_recorded_with_its_tick() {
             break;
         }
     }
-    assert!(heard.iter().any(|text| text.starts_with("note at tick")), "{heard:?}");
+    assert!(
+        heard.iter().any(|text| text.starts_with("note at tick")),
+        "{heard:?}"
+    );
 }

@@ -3,7 +3,6 @@
 
 use std::time::{Duration, Instant};
 
-use sulcus_support::relay::Relay;
 use crate::common::{Station, force_up, pose, press, press_on};
 use sulcus_connection::link::{Link, LinkConfig, LinkError, now_ns};
 use sulcus_proto::control::{Command, EndReason};
@@ -12,6 +11,7 @@ use sulcus_proto::{Role, status};
 use sulcus_server::net::tokens::Fixed;
 use sulcus_server::{Provoked, ServerConfig, StationConfig};
 use sulcus_sessions::{Ending, Message, Occurrence, Recording, ReplayOptions, Row, replay};
+use sulcus_support::relay::Relay;
 
 /// Waits until a condition holds.
 fn until(what: &str, mut holds: impl FnMut() -> bool) {
@@ -162,7 +162,9 @@ fn a_session_waits_for_its_own_learner_and_then_ends() {
     link.start();
     press(&mut link, |link, _| link.latest_wrench().is_some());
     drop(link);
-    until("the gap", || station.server().status()[0].phase == Phase::Waiting);
+    until("the gap", || {
+        station.server().status()[0].phase == Phase::Waiting
+    });
     // Another learner on the same seat is told how long the session waits.
     let mut other = config.clone();
     other.learner = "b8".into();
@@ -175,10 +177,13 @@ fn a_session_waits_for_its_own_learner_and_then_ends() {
     let mut link = Link::connect(config).unwrap();
     assert!(link.hello().resumed);
     press_on(&mut link, |link| {
-        link.latest_wrench().is_some_and(|w| w.datagram.tools[0].echo.valid)
+        link.latest_wrench()
+            .is_some_and(|w| w.datagram.tools[0].echo.valid)
     });
     drop(link);
-    until("the end", || station.server().status()[0].phase == Phase::Free);
+    until("the end", || {
+        station.server().status()[0].phase == Phase::Free
+    });
     let mut link = Link::connect(other).unwrap();
     assert!(!link.hello().resumed);
     link.start();
@@ -188,7 +193,10 @@ fn a_session_waits_for_its_own_learner_and_then_ends() {
     server.shutdown();
     let summaries = server.join().unwrap();
     let ends: Vec<_> = summaries.iter().map(|s| (s.end, s.gaps)).collect();
-    assert_eq!(ends, [(EndReason::ConnectionLost, 2), (EndReason::Stopped, 0)]);
+    assert_eq!(
+        ends,
+        [(EndReason::ConnectionLost, 2), (EndReason::Stopped, 0)]
+    );
     let recording = Recording::open(&station.recording(&summaries[0].recording)).unwrap();
     let (_, events) = rows_and_events(&recording);
     assert_eq!(kinds(&events), ["detached", "attached", "detached"]);
@@ -201,7 +209,10 @@ fn stations_of_a_server_have_their_own_sessions_levels_and_recordings() {
         .iter()
         .map(|token| Link::connect(config_of(&station, token)).unwrap())
         .collect();
-    let names: Vec<_> = links.iter().map(|link| link.hello().station.clone()).collect();
+    let names: Vec<_> = links
+        .iter()
+        .map(|link| link.hello().station.clone())
+        .collect();
     assert_eq!(names, ["a", "b", "c"]);
     assert!(station.server().command_at("b", Command::ForceLimit(0.2)));
     assert!(!station.server().command_at("d", Command::Pause));
@@ -271,7 +282,10 @@ fn a_panic_in_any_part_of_a_station_leaves_the_others_whole() {
             assert!(!goodbye.summary.complete);
         }
         let summary = sound.finish().unwrap();
-        assert!(summary.complete && summary.end == EndReason::Stopped, "{fault:?}");
+        assert!(
+            summary.complete && summary.end == EndReason::Stopped,
+            "{fault:?}"
+        );
         let recording = Recording::open(&station.recording(&summary.recording)).unwrap();
         let report = replay(&recording, &ReplayOptions::default(), &mut |_| ()).unwrap();
         assert!(report.identical && report.gradable, "{fault:?} {report:?}");
@@ -299,7 +313,9 @@ fn a_server_that_ends_closes_every_recording_and_says_goodbye_to_every_student()
     }
     // One of them is in a gap.
     drop(links.pop());
-    until("the gap", || station.server().status()[2].phase == Phase::Waiting);
+    until("the gap", || {
+        station.server().status()[2].phase == Phase::Waiting
+    });
     let server = station.server.take().unwrap();
     server.shutdown();
     let summaries = server.join().unwrap();
@@ -322,7 +338,10 @@ fn a_second_program_with_the_same_ticket_does_not_take_a_running_session_over() 
     link.start();
     press(&mut link, |link, _| link.latest_wrench().is_some());
     let error = station.connect().err().unwrap();
-    assert!(matches!(&error, LinkError::Busy(text) if text.contains("in use")), "{error}");
+    assert!(
+        matches!(&error, LinkError::Busy(text) if text.contains("in use")),
+        "{error}"
+    );
     let epoch = link.hello().epoch;
     let successor = Link::connect(LinkConfig {
         follows: epoch,
@@ -331,7 +350,8 @@ fn a_second_program_with_the_same_ticket_does_not_take_a_running_session_over() 
     let mut successor = successor.unwrap();
     assert!(successor.hello().resumed && successor.hello().epoch != epoch);
     press_on(&mut successor, |link| {
-        link.latest_wrench().is_some_and(|w| w.datagram.tools[0].echo.valid)
+        link.latest_wrench()
+            .is_some_and(|w| w.datagram.tools[0].echo.valid)
     });
     assert!(successor.finish().unwrap().complete);
 }

@@ -7,8 +7,8 @@ use sulcus_proto::control::{
     Welcome,
 };
 use sulcus_proto::datagram::WirePose;
-use sulcus_proto::frame::{self, LENGTH_BYTES, body_length, decode, encode};
 use sulcus_proto::display::SceneHash;
+use sulcus_proto::frame::{self, LENGTH_BYTES, body_length, decode, encode};
 use sulcus_proto::limits::CONTROL_BYTES;
 use sulcus_proto::station::{Phase, StationEvent, StationStatus};
 use sulcus_proto::{ClientMessage, CodecError, Role, ServerMessage, SessionSummary};
@@ -149,7 +149,12 @@ fn server() -> impl Strategy<Value = ServerMessage> {
             prop::collection::vec(tool(), 0..3)
         )
             .prop_map(
-                |([program, station, scene, exercise, exercise_text], numbers, scene_hash, tools)| {
+                |(
+                    [program, station, scene, exercise, exercise_text],
+                    numbers,
+                    scene_hash,
+                    tools,
+                )| {
                     let (epoch, self_test, resumed) = numbers;
                     ServerMessage::Hello(ServerHello {
                         program,
@@ -189,14 +194,20 @@ fn server() -> impl Strategy<Value = ServerMessage> {
             };
             ServerMessage::Goodbye(Goodbye { text, summary })
         }),
-        (".{0,20}", ".{0,20}", role(), prop::collection::vec(".{0,9}", 0..5)).prop_map(
-            |(program, id, role, stations)| ServerMessage::Welcome(Welcome {
-                program,
-                role,
-                id,
-                stations
-            })
-        ),
+        (
+            ".{0,20}",
+            ".{0,20}",
+            role(),
+            prop::collection::vec(".{0,9}", 0..5)
+        )
+            .prop_map(
+                |(program, id, role, stations)| ServerMessage::Welcome(Welcome {
+                    program,
+                    role,
+                    id,
+                    stations
+                })
+            ),
         (".{0,20}", ".{0,80}").prop_map(|(by, text)| ServerMessage::Say(Say { by, text })),
         (any::<(u64, bool, u64)>(), ".{0,40}").prop_map(|((number, taken, tick), text)| {
             ServerMessage::Answer(Answer {

@@ -119,9 +119,15 @@ fn echo_and_levels_have_one_form() {
     assert!(matches!(echo.to_bytes(), Err(CodecError::NotCanonical(_))));
     let mut levels = WrenchDatagram::default();
     levels.levels.force_limit_n = -1.0;
-    assert!(matches!(levels.to_bytes(), Err(CodecError::NotCanonical(_))));
+    assert!(matches!(
+        levels.to_bytes(),
+        Err(CodecError::NotCanonical(_))
+    ));
     levels.levels.force_limit_n = f32::NAN;
-    assert_eq!(levels.to_bytes(), Err(CodecError::NotFinite("the force limit")));
+    assert_eq!(
+        levels.to_bytes(),
+        Err(CodecError::NotFinite("the force limit"))
+    );
 }
 
 fn finite() -> impl Strategy<Value = f32> {

@@ -87,10 +87,7 @@ pub(super) async fn admit(connection: Connection, net: Arc<Net>) {
 }
 
 /// Checks the first message. The error is the refusal to send.
-async fn judge(
-    message: Result<ClientMessage, ReadError>,
-    net: &Net,
-) -> Result<Admitted, Refused> {
+async fn judge(message: Result<ClientMessage, ReadError>, net: &Net) -> Result<Admitted, Refused> {
     let hello = match message {
         Ok(ClientMessage::Hello(hello)) => hello,
         Ok(_) => {

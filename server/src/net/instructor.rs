@@ -182,10 +182,16 @@ impl Instructor {
             && text.len() > TEXT_BYTES
         {
             let found = text.len();
-            return refuse(format!("the text has {found} bytes, at most {TEXT_BYTES} are allowed"));
+            return refuse(format!(
+                "the text has {found} bytes, at most {TEXT_BYTES} are allowed"
+            ));
         }
         let (by, outgoing) = (self.grant.id.clone(), self.outgoing.clone());
-        let exams = may(self.role, Kind::ExamPlan, self.grant.station.includes(&door.name));
+        let exams = may(
+            self.role,
+            Kind::ExamPlan,
+            self.grant.station.includes(&door.name),
+        );
         tokio::spawn(async move {
             let answer = door.ask(|reply| ToStation::Instruct {
                 by,

@@ -121,7 +121,15 @@ pub(crate) async fn serve(
     if halted {
         endpoint.close(CLOSE_OK, b"server stopped");
     }
-    let stopped = all_ended(&mut actors, if halted { FINISHING } else { FAREWELL + FINISHING }).await;
+    let stopped = all_ended(
+        &mut actors,
+        if halted {
+            FINISHING
+        } else {
+            FAREWELL + FINISHING
+        },
+    )
+    .await;
     if !halted {
         all_ended(&mut connections, FAREWELL).await;
     }

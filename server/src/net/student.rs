@@ -355,7 +355,9 @@ impl StudentConnection {
         if control::write(&mut self.send, message).await {
             Ok(())
         } else {
-            Err(Left::Lost("the client takes no control messages".to_owned()))
+            Err(Left::Lost(
+                "the client takes no control messages".to_owned(),
+            ))
         }
     }
 }

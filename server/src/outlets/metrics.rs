@@ -34,7 +34,10 @@ pub(crate) async fn serve(listener: TcpListener, doors: Vec<Door>) {
             Ok((stream, from)) => {
                 let doors = doors.clone();
                 tokio::spawn(async move {
-                    if tokio::time::timeout(TIMEOUT, answer(stream, &doors)).await.is_err() {
+                    if tokio::time::timeout(TIMEOUT, answer(stream, &doors))
+                        .await
+                        .is_err()
+                    {
                         tracing::debug!("metrics: {from} took longer than {} s", TIMEOUT.as_secs());
                     }
                     drop(place);
@@ -75,7 +78,10 @@ async fn answer(mut stream: TcpStream, doors: &[Door]) -> std::io::Result<()> {
 }
 
 fn asks_for_metrics(request: &[u8]) -> bool {
-    let line = request.split(|byte| *byte == b'\r').next().unwrap_or_default();
+    let line = request
+        .split(|byte| *byte == b'\r')
+        .next()
+        .unwrap_or_default();
     line.starts_with(b"GET /metrics ") || line.starts_with(b"GET /metrics?")
 }
 
@@ -90,52 +96,108 @@ pub(crate) fn bind(address: SocketAddr) -> std::io::Result<std::net::TcpListener
 }
 
 /// A metric: name, help, type, value of a station.
-type Metric = (&'static str, &'static str, &'static str, fn(&StationStatus) -> f64);
+type Metric = (
+    &'static str,
+    &'static str,
+    &'static str,
+    fn(&StationStatus) -> f64,
+);
 
 const METRICS: [Metric; 15] = [
-    ("sulcus_session_running", "Whether a session runs, with or without its student", "gauge", |s| {
-        f64::from(u8::from(matches!(s.phase, Phase::Running | Phase::Waiting)))
+    (
+        "sulcus_session_running",
+        "Whether a session runs, with or without its student",
+        "gauge",
+        |s| f64::from(u8::from(matches!(s.phase, Phase::Running | Phase::Waiting))),
+    ),
+    (
+        "sulcus_student_attached",
+        "Whether a student is attached",
+        "gauge",
+        |s| f64::from(u8::from(matches!(s.phase, Phase::Ready | Phase::Running))),
+    ),
+    (
+        "sulcus_session_seconds",
+        "Time of the session without gaps",
+        "gauge",
+        |s| s.elapsed_ms as f64 / 1e3,
+    ),
+    ("sulcus_tick", "Newest tick of the session", "gauge", |s| {
+        s.tick as f64
     }),
-    ("sulcus_student_attached", "Whether a student is attached", "gauge", |s| {
-        f64::from(u8::from(matches!(s.phase, Phase::Ready | Phase::Running)))
-    }),
-    ("sulcus_session_seconds", "Time of the session without gaps", "gauge", |s| {
-        s.elapsed_ms as f64 / 1e3
-    }),
-    ("sulcus_tick", "Newest tick of the session", "gauge", |s| s.tick as f64),
-    ("sulcus_tick_p99_seconds", "CPU time of a tick, 99th percentile of 0.2 s", "gauge", |s| {
-        f64::from(s.tick_p99_us) / 1e6
-    }),
-    ("sulcus_deadline_misses", "Late and skipped ticks of the session", "gauge", |s| {
-        s.deadline_misses as f64
-    }),
-    ("sulcus_exhausted", "Tool-ticks of the session that reached the limit of work", "gauge", |s| {
-        s.exhausted as f64
-    }),
-    ("sulcus_rows_dropped", "Rows of the session that the recorder's queue dropped", "gauge", |s| {
-        s.rows_dropped as f64
-    }),
-    ("sulcus_frames_dropped", "Display frames of the session that a full queue dropped", "gauge", |s| {
-        s.frames_dropped as f64
-    }),
-    ("sulcus_poses_lost", "Pose datagrams of the session that the network lost", "gauge", |s| {
-        s.poses_lost as f64
-    }),
-    ("sulcus_gaps", "Gaps of the session without its student", "gauge", |s| f64::from(s.gaps)),
-    ("sulcus_paused", "Whether the station's side has paused", "gauge", |s| {
-        f64::from(u8::from(s.paused))
-    }),
-    ("sulcus_force_newtons", "Largest force sent to either hand since the last status", "gauge", |s| {
-        let peaks = s.tools.iter().map(|tool| f64::from(tool.peak_force_n));
-        peaks.fold(0.0, f64::max)
-    }),
-    ("sulcus_pose_age_seconds", "Age of the older pose of the hands", "gauge", |s| {
-        let ages = s.tools.iter().filter(|tool| tool.present);
-        ages.map(|tool| f64::from(tool.pose_age_ms) / 1e3).fold(0.0, f64::max)
-    }),
-    ("sulcus_disk_free_bytes", "Free space on the disk of recordings", "gauge", |s| {
-        s.disk_free_mib as f64 * f64::from(1 << 20)
-    }),
+    (
+        "sulcus_tick_p99_seconds",
+        "CPU time of a tick, 99th percentile of 0.2 s",
+        "gauge",
+        |s| f64::from(s.tick_p99_us) / 1e6,
+    ),
+    (
+        "sulcus_deadline_misses",
+        "Late and skipped ticks of the session",
+        "gauge",
+        |s| s.deadline_misses as f64,
+    ),
+    (
+        "sulcus_exhausted",
+        "Tool-ticks of the session that reached the limit of work",
+        "gauge",
+        |s| s.exhausted as f64,
+    ),
+    (
+        "sulcus_rows_dropped",
+        "Rows of the session that the recorder's queue dropped",
+        "gauge",
+        |s| s.rows_dropped as f64,
+    ),
+    (
+        "sulcus_frames_dropped",
+        "Display frames of the session that a full queue dropped",
+        "gauge",
+        |s| s.frames_dropped as f64,
+    ),
+    (
+        "sulcus_poses_lost",
+        "Pose datagrams of the session that the network lost",
+        "gauge",
+        |s| s.poses_lost as f64,
+    ),
+    (
+        "sulcus_gaps",
+        "Gaps of the session without its student",
+        "gauge",
+        |s| f64::from(s.gaps),
+    ),
+    (
+        "sulcus_paused",
+        "Whether the station's side has paused",
+        "gauge",
+        |s| f64::from(u8::from(s.paused)),
+    ),
+    (
+        "sulcus_force_newtons",
+        "Largest force sent to either hand since the last status",
+        "gauge",
+        |s| {
+            let peaks = s.tools.iter().map(|tool| f64::from(tool.peak_force_n));
+            peaks.fold(0.0, f64::max)
+        },
+    ),
+    (
+        "sulcus_pose_age_seconds",
+        "Age of the older pose of the hands",
+        "gauge",
+        |s| {
+            let ages = s.tools.iter().filter(|tool| tool.present);
+            ages.map(|tool| f64::from(tool.pose_age_ms) / 1e3)
+                .fold(0.0, f64::max)
+        },
+    ),
+    (
+        "sulcus_disk_free_bytes",
+        "Free space on the disk of recordings",
+        "gauge",
+        |s| s.disk_free_mib as f64 * f64::from(1 << 20),
+    ),
 ];
 
 /// Metrics in the text format of Prometheus, version 0.0.4.
@@ -153,7 +215,10 @@ pub(crate) fn text(statuses: &[StationStatus]) -> String {
 
 /// Value of a label: backslash, quote and newline are escaped.
 fn escaped(value: &str) -> String {
-    value.replace('\\', "\\\\").replace('"', "\\\"").replace('\n', "\\n")
+    value
+        .replace('\\', "\\\\")
+        .replace('"', "\\\"")
+        .replace('\n', "\\n")
 }
 
 #[cfg(test)]
@@ -171,7 +236,10 @@ mod tests {
         };
         status.tools[1].peak_force_n = 0.5;
         let text = text(&[status]);
-        assert!(text.contains("sulcus_session_running{station=\"chair \\\"1\\\"\"} 1\n"), "{text}");
+        assert!(
+            text.contains("sulcus_session_running{station=\"chair \\\"1\\\"\"} 1\n"),
+            "{text}"
+        );
         assert!(text.contains("sulcus_student_attached{station=\"chair \\\"1\\\"\"} 0\n"));
         assert!(text.contains("sulcus_force_newtons{station=\"chair \\\"1\\\"\"} 0.5\n"));
         assert!(!text.contains("a7f3"));
@@ -204,7 +272,11 @@ mod tests {
             let answer = ask("GET /metrics HTTP/1.1\r\nHost: x\r\n\r\n").await;
             assert!(answer.starts_with("HTTP/1.1 200 OK"), "{answer}");
             assert!(answer.contains("sulcus_tick{station=\"a\"} 0"), "{answer}");
-            for other in ["GET / HTTP/1.1\r\n\r\n", "POST /metrics HTTP/1.1\r\n\r\n", "x\r\n\r\n"] {
+            for other in [
+                "GET / HTTP/1.1\r\n\r\n",
+                "POST /metrics HTTP/1.1\r\n\r\n",
+                "x\r\n\r\n",
+            ] {
                 assert!(ask(other).await.starts_with("HTTP/1.1 404"), "{other}");
             }
             serving.abort();

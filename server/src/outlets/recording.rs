@@ -10,18 +10,18 @@ use rtrb::{Consumer, Producer};
 use sulcus_core::{Scene, State, TickOutput, Vec3};
 use sulcus_link::Bell;
 use sulcus_link::clock::unix_ns;
+use sulcus_program::PathText;
 use sulcus_proto::SessionSummary;
 use sulcus_proto::control::{DeviceInfo, Event};
 use sulcus_proto::station::StationEvent;
-use sulcus_program::PathText;
 use sulcus_sessions::exercise::events::{LOST, Look};
 use sulcus_sessions::record::plan::{PlanChange, PlanFacts};
 use sulcus_sessions::record::predecessor::Predecessor;
 use tokio::sync::broadcast;
 
 use sulcus_sessions::{
-    DeviceFacts, Events, Exercise, Level, Limits, Moved, Occurrence, RecordError, RecordedTick, Recorder, Row, Sampler,
-    SessionEnd, SessionHeader, SessionWriter, Shapes, StationKey,
+    DeviceFacts, Events, Exercise, Level, Limits, Moved, Occurrence, RecordError, RecordedTick,
+    Recorder, Row, Sampler, SessionEnd, SessionHeader, SessionWriter, Shapes, StationKey,
 };
 
 use crate::outlets::feed::{FeedPublisher, SessionFeed};
@@ -241,8 +241,8 @@ pub(crate) fn open(opening: Opening) -> Result<Open, String> {
         ..SessionHeader::new(plan.scene_bytes.to_vec())
     };
     let key = station_key(opening.key.as_deref()).map_err(|error| error.to_string())?;
-    let (recorder, path) = Recorder::create_in(&opening.folder, &header, &key)
-        .map_err(|error| error.to_string())?;
+    let (recorder, path) =
+        Recorder::create_in(&opening.folder, &header, &key).map_err(|error| error.to_string())?;
     let name = path
         .file_name()
         .unwrap_or_default()
@@ -522,9 +522,11 @@ impl Thread {
             cpu_ns: *cpu_ns,
             shapes: shapes.as_deref(),
         };
-        let written = self
-            .writer
-            .tick(scene, &recorded, gap.into_iter().chain(changed).chain(found));
+        let written = self.writer.tick(
+            scene,
+            &recorded,
+            gap.into_iter().chain(changed).chain(found),
+        );
         if let Some((_, centres)) = look {
             let _ = self.returned.looks.push(centres);
         }

@@ -2,8 +2,8 @@
 //!
 //! The recorder's thread makes it from the ticks that it takes. The station's task reads the newest one.
 
-use std::sync::{Mutex, PoisonError};
 use std::sync::Arc;
+use std::sync::{Mutex, PoisonError};
 
 use sulcus_core::math::norm;
 use sulcus_core::output::{ForceZone, status};
@@ -192,6 +192,7 @@ mod tests {
             let output = TickOutput {
                 tick,
                 hash: 0,
+                work: 0,
                 tools: [out, ToolOutput::absent(Pose::identity())],
             };
             let input = TickInput {
@@ -210,7 +211,10 @@ mod tests {
         let status = tick(202, 0.5, 194);
         assert_eq!(status.rows_dropped, 3);
         assert_eq!(status.deadline_misses, 196);
-        assert_eq!((status.tools[0].force_n, status.tools[0].peak_force_n), (0.5, 3.0));
+        assert_eq!(
+            (status.tools[0].force_n, status.tools[0].peak_force_n),
+            (0.5, 3.0)
+        );
         assert!(status.tools[0].present && !status.tools[1].present);
         assert!((status.tick_p99_us - 100.0).abs() < 1.0);
         assert_eq!(tick(402, 0.2, 199).tools[0].peak_force_n, 0.2);

@@ -11,7 +11,10 @@ use sulcus_proto::control::{Answer, Instruction};
 use sulcus_proto::station::Phase;
 use sulcus_sessions::Mode;
 
-use super::{ClockInGap, Plan, PlanBook, PlanChange, PlanError, Prepared, Revision, Running, StationPlan, prepare};
+use super::{
+    ClockInGap, Plan, PlanBook, PlanChange, PlanError, Prepared, Revision, Running, StationPlan,
+    prepare,
+};
 use crate::capacity::measure_cost;
 use crate::control_socket::{Control, StationCommand};
 use crate::station::config::{Changed, SessionPlan};
@@ -147,7 +150,9 @@ impl Desk {
 
     /// Hands a plan to its station.
     fn hand_over(&self, station: &str, plan: SessionPlan) {
-        let Some(door) = self.door(station) else { return };
+        let Some(door) = self.door(station) else {
+            return;
+        };
         if !door.try_tell(ToStation::Plan(Box::new(plan))) {
             tracing::error!("station {station}: busy, the new plan is used after a restart");
         }
@@ -174,7 +179,8 @@ impl Planner for Desk {
             by,
             exams,
         } = asked;
-        let change = PlanChange::parse(text, Path::new("plan")).map_err(|error| error.to_string())?;
+        let change =
+            PlanChange::parse(text, Path::new("plan")).map_err(|error| error.to_string())?;
         let before = self.book().plan(station).map(|(plan, _)| plan.mode);
         let exam = change.mode == Some(Mode::Exam) || before == Some(Mode::Exam);
         if exam && !exams {
@@ -242,7 +248,9 @@ impl Control for Desk {
             reply,
         });
         match answer {
-            Some(Answer { taken: true, tick, .. }) => Ok(json!({ "tick": tick })),
+            Some(Answer {
+                taken: true, tick, ..
+            }) => Ok(json!({ "tick": tick })),
             Some(Answer { text, .. }) => Err(text),
             None => Err("the station is ending".into()),
         }

@@ -74,7 +74,9 @@ pub fn run(args: &ServeArgs) -> anyhow::Result<u8> {
         let (plan, warnings) = match (&args.config, compiled) {
             (_, Ok(compiled)) => compiled,
             (None, Err(error)) => bail!("{}", by_option(&format!("{error:#}"))),
-            (Some(_), Err(error)) => return Err(error.context(format!("station `{}`", station.name))),
+            (Some(_), Err(error)) => {
+                return Err(error.context(format!("station `{}`", station.name)));
+            }
         };
         for warning in warnings {
             tell!("warning: {warning}");
@@ -90,7 +92,10 @@ pub fn run(args: &ServeArgs) -> anyhow::Result<u8> {
     config.stations = stations.clone();
     config.station_key = Some(args.key.clone().unwrap_or_else(|| state.station_key()));
     config.journal = Some(state.file("running"));
-    config.identity = Some((identity.certificate_der().to_vec(), identity.key().secret_der().to_vec()));
+    config.identity = Some((
+        identity.certificate_der().to_vec(),
+        identity.key().secret_der().to_vec(),
+    ));
     config.tokens = Arc::new(tokens);
     config.planner = desk.clone();
     config.metrics = args.metrics;
@@ -143,7 +148,10 @@ fn asked(args: &ServeArgs) -> anyhow::Result<Asked> {
         None => {
             let name = args.station.clone().unwrap_or_else(|| STATION.to_owned());
             if !is_station_name(&name) {
-                bail!("--station is `{}`, expected {EXPECTED}", name.escape_debug());
+                bail!(
+                    "--station is `{}`, expected {EXPECTED}",
+                    name.escape_debug()
+                );
             }
             let plan = Plan::of(&change).map_err(|error| anyhow::anyhow!("{}", fault(error)))?;
             (None, vec![Station { name, plan }])
@@ -151,11 +159,14 @@ fn asked(args: &ServeArgs) -> anyhow::Result<Asked> {
     };
     let listen = args.listen.clone();
     let recordings = args.recordings.clone();
-    let (file_listen, file_recordings) =
-        file.as_ref().map_or((None, None), |file| (file.listen.clone(), file.recordings.clone()));
+    let (file_listen, file_recordings) = file.as_ref().map_or((None, None), |file| {
+        (file.listen.clone(), file.recordings.clone())
+    });
     Ok(Asked {
         listen: listen.or(file_listen).unwrap_or_else(|| LISTEN.to_owned()),
-        recordings: recordings.or(file_recordings).unwrap_or_else(|| RECORDINGS.into()),
+        recordings: recordings
+            .or(file_recordings)
+            .unwrap_or_else(|| RECORDINGS.into()),
         hours: file.map_or(crate::plan::stations::HOURS, |file| file.hours),
         stations,
     })
@@ -212,7 +223,9 @@ fn start(mut config: ServerConfig, listen: &str) -> anyhow::Result<ServerHandle>
 }
 
 fn announce(server: &ServerHandle, stations: &[StationConfig], json: bool) {
-    let Some(first) = stations.first() else { return };
+    let Some(first) = stations.first() else {
+        return;
+    };
     let (scene, exercise) = (&first.plan.scene.name, &first.plan.exercise.name);
     let (listen, ticket) = (server.local_addr(), server.ticket());
     let addresses = for_clients(listen);
@@ -251,7 +264,10 @@ fn announce(server: &ServerHandle, stations: &[StationConfig], json: bool) {
                 );
             }
         }
-        say!("ticket of station {} until the end of this server:", first.name);
+        say!(
+            "ticket of station {} until the end of this server:",
+            first.name
+        );
         say!("  token        {}", ticket.token);
         say!("  certificate  {fingerprint} (SHA-256)");
         say!("  ticket       {ticket}");

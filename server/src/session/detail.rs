@@ -269,7 +269,11 @@ mod tests {
         };
         assert_eq!(
             wrong.validate(1000),
-            Err(("detail budget", "5000".into(), "10 us to nine tenths of a tick: 900 us at 1 kHz, 112 us at 8 kHz"))
+            Err((
+                "detail budget",
+                "5000".into(),
+                "10 us to nine tenths of a tick: 900 us at 1 kHz, 112 us at 8 kHz"
+            ))
         );
     }
 }

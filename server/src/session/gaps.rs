@@ -52,6 +52,9 @@ mod tests {
         attachment.epoch.store(7, Ordering::Release);
         let event = gaps.take(105, false, &attachment).expect("back");
         assert_eq!((event.kind.as_str(), event.tick), ("attached", 105));
-        assert_eq!((&event.data["epoch"], &event.data["gap_ticks"]), (&7.into(), &100.into()));
+        assert_eq!(
+            (&event.data["epoch"], &event.data["gap_ticks"]),
+            (&7.into(), &100.into())
+        );
     }
 }

@@ -91,13 +91,17 @@ impl Attachment {
     /// Sets the reason of a gap that begins.
     pub fn gone(&self, reason: Detached) {
         let index = Detached::ALL.iter().position(|one| *one == reason);
-        self.reason.store(index.unwrap_or(0) as u8, Ordering::Release);
+        self.reason
+            .store(index.unwrap_or(0) as u8, Ordering::Release);
     }
 
     /// Reason of the newest gap.
     pub fn reason(&self) -> Detached {
         let index = usize::from(self.reason.load(Ordering::Acquire));
-        Detached::ALL.get(index).copied().unwrap_or(Detached::Station)
+        Detached::ALL
+            .get(index)
+            .copied()
+            .unwrap_or(Detached::Station)
     }
 }
 

@@ -17,7 +17,8 @@ use crate::net::datagrams::Datagrams;
 use crate::outlets::recording;
 use crate::outlets::recording::{EVENTS, FromNetwork, Opening, Report, Returned};
 use crate::session::handoff::{
-    Attachment, Flags, Pressed, Progress, Provoked, SHAPES, SNAPSHOTS, WrenchOut, looks as looks_for, rows,
+    Attachment, Flags, Pressed, Progress, Provoked, SHAPES, SNAPSHOTS, WrenchOut,
+    looks as looks_for, rows,
 };
 use crate::session::levels::Levels;
 use crate::session::metrics::Metrics;

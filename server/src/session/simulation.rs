@@ -11,8 +11,8 @@ use sulcus_core::output::status;
 use sulcus_core::{MAX_TOOLS, NoProbe, Scene, State, TickInput, TickOutput, Vec3, Workspace, tick};
 use sulcus_link::Bell;
 use sulcus_proto::WrenchDatagram;
-use sulcus_proto::status::FREE;
 use sulcus_proto::datagram::{Echo, ToolWrench, WireLevels, WirePose, WireWrench};
+use sulcus_proto::status::FREE;
 use sulcus_sessions::exercise::events::Look;
 use sulcus_sessions::record::recorder::SNAPSHOT_EVERY_S;
 use sulcus_sessions::{Row, Sampler, Shapes};
@@ -240,8 +240,7 @@ impl Ticker {
         for (slot, (free, tool)) in self.free.iter_mut().zip(&output.tools).enumerate() {
             let held = tool.status & status::ABSENT == 0;
             let (scene, state, workspace) = (&self.scene, &self.state, &mut self.workspace);
-            *free = held
-                && is_free(scene, state, workspace, slot, &tool.haptic, FREE_DISTANCE);
+            *free = held && is_free(scene, state, workspace, slot, &tool.haptic, FREE_DISTANCE);
         }
     }
 

@@ -313,7 +313,8 @@ impl Station {
         let (first, present) = match &self.state {
             State::Free => return None,
             State::Ending { .. } => {
-                let text = "the last session's recording is being finished; connect again in a moment";
+                let text =
+                    "the last session's recording is being finished; connect again in a moment";
                 return Some(text.to_owned());
             }
             State::Ready {
@@ -688,9 +689,7 @@ fn refused<T>(reason: RefusedReason, text: &str) -> Result<T, Refused> {
 }
 
 /// Waits for the end of a recording; never returns in another phase.
-async fn finished(
-    state: &mut State,
-) -> Result<(SessionSummary, String), tokio::task::JoinError> {
+async fn finished(state: &mut State) -> Result<(SessionSummary, String), tokio::task::JoinError> {
     match state {
         State::Ending { finishing, .. } => finishing.await,
         _ => std::future::pending().await,

@@ -142,7 +142,11 @@ impl SessionPlan {
         }
         if !crate::session::levels::is_limit(self.force_limit_n) {
             let expected = "0 (the scene's) or a positive force in newtons";
-            return bad("force limit of the plan", self.force_limit_n.to_string(), expected);
+            return bad(
+                "force limit of the plan",
+                self.force_limit_n.to_string(),
+                expected,
+            );
         }
         if self.resume_within > Duration::from_secs(3600) {
             let found = format!("{} s", self.resume_within.as_secs());
@@ -262,7 +266,10 @@ impl ServerConfig {
         }
         for (k, station) in self.stations.iter().enumerate() {
             station.validate()?;
-            if self.stations[..k].iter().any(|one| one.name == station.name) {
+            if self.stations[..k]
+                .iter()
+                .any(|one| one.name == station.name)
+            {
                 let found = format!("`{}` twice", station.name);
                 return bad("station name", found, "a name of its own for each station");
             }
@@ -271,11 +278,7 @@ impl ServerConfig {
     }
 }
 
-fn bad(
-    field: &'static str,
-    found: String,
-    expected: &'static str,
-) -> Result<(), ServerError> {
+fn bad(field: &'static str, found: String, expected: &'static str) -> Result<(), ServerError> {
     Err(ServerError::Config {
         field,
         found,

@@ -8,11 +8,11 @@ use sulcus_proto::{PROTOCOL_VERSION, SessionSummary};
 use sulcus_sessions::Detached;
 use tokio::sync::{broadcast, mpsc, oneshot, watch};
 
-use crate::state::Grant;
 use crate::outlets::feed::{Feed, FeedPublisher};
 use crate::session::handoff::Provoked;
 use crate::session::levels::Levels;
 use crate::session::running::Ports;
+use crate::state::Grant;
 use crate::station::config::SessionPlan;
 
 /// Number of messages that wait for a station's task.

@@ -59,7 +59,10 @@ impl Server {
         let quic = transport::server_config(&identity)?;
         let socket = bind(config.listen)?;
         let local_addr = socket.local_addr()?;
-        let metrics = config.metrics.map(crate::outlets::metrics::bind).transpose();
+        let metrics = config
+            .metrics
+            .map(crate::outlets::metrics::bind)
+            .transpose();
         let metrics = metrics.map_err(|source| ServerError::Metrics { source })?;
         let certificate_der = identity.certificate.to_vec();
         let ticket = Ticket {

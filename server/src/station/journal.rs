@@ -71,7 +71,10 @@ impl Journal {
         let Some(file) = &self.file else { return };
         let note = note_of(recording.to_owned(), token, learner, plan);
         if let Err(error) = write(file, &note) {
-            tracing::warn!("{}: cannot write the note on the session: {error}", file.shown());
+            tracing::warn!(
+                "{}: cannot write the note on the session: {error}",
+                file.shown()
+            );
         }
     }
 
@@ -81,7 +84,10 @@ impl Journal {
         if let Err(error) = fs::remove_file(file)
             && error.kind() != std::io::ErrorKind::NotFound
         {
-            tracing::warn!("{}: cannot remove the note on the session: {error}", file.shown());
+            tracing::warn!(
+                "{}: cannot remove the note on the session: {error}",
+                file.shown()
+            );
         }
     }
 }
@@ -116,7 +122,10 @@ fn read(file: &Path) -> Option<Note> {
         Ok(text) => text,
         Err(error) if error.kind() == std::io::ErrorKind::NotFound => return None,
         Err(error) => {
-            tracing::warn!("{}: cannot read the note on a session: {error}", file.shown());
+            tracing::warn!(
+                "{}: cannot read the note on a session: {error}",
+                file.shown()
+            );
             return None;
         }
     };

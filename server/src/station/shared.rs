@@ -8,8 +8,8 @@ use sulcus_proto::SessionSummary;
 use tokio::sync::watch;
 
 use crate::ServerConfig;
-use crate::net::Stage;
 use crate::capacity::{Capacity, Cost, Load, Machine, Model};
+use crate::net::Stage;
 use crate::state::{Denied, Grant, Place};
 
 /// Interval between two queries of the free space on the disk.
@@ -113,25 +113,35 @@ impl Shared {
 
     /// Keeps the summary of a session.
     pub fn ended(&self, summary: SessionSummary) {
-        let mut summaries = self.summaries.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut summaries = self
+            .summaries
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner);
         summaries.push(summary);
     }
 
     /// Takes all summaries.
     pub fn take_summaries(&self) -> Vec<SessionSummary> {
-        let mut summaries = self.summaries.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut summaries = self
+            .summaries
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner);
         std::mem::take(&mut summaries)
     }
 
     /// Free space on the disk of recordings, mebibytes, at most [`DISK`] old. The query is one system call.
     pub fn disk_free_mib(&self) -> u64 {
-        let mut asked = self.disk_asked.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut asked = self
+            .disk_asked
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner);
         let now = Instant::now();
         if asked.is_none_or(|asked| now.saturating_duration_since(asked) >= DISK) {
             *asked = Some(now);
             let free = rustix::fs::statvfs(&self.config.recordings)
                 .map(|disk| disk.f_bavail * disk.f_frsize / (1 << 20));
-            self.disk_free_mib.store(free.unwrap_or(0), Ordering::Relaxed);
+            self.disk_free_mib
+                .store(free.unwrap_or(0), Ordering::Relaxed);
         }
         self.disk_free_mib.load(Ordering::Relaxed)
     }

@@ -86,7 +86,11 @@ impl LinkError {
     pub(super) fn may_pass(&self) -> bool {
         matches!(
             self,
-            Self::Absent { .. } | Self::Nowhere(_) | Self::Lost(_) | Self::Busy(_) | Self::System(_)
+            Self::Absent { .. }
+                | Self::Nowhere(_)
+                | Self::Lost(_)
+                | Self::Busy(_)
+                | Self::System(_)
         )
     }
 

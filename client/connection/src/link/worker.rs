@@ -11,9 +11,7 @@ use sulcus_program::tell;
 use sulcus_proto::control::Goodbye;
 use sulcus_proto::datagram::Echo;
 use sulcus_proto::newest::Arrival;
-use sulcus_proto::{
-    ClientMessage, CodecError, PoseDatagram, ServerMessage, TOOLS, WrenchDatagram,
-};
+use sulcus_proto::{ClientMessage, CodecError, PoseDatagram, ServerMessage, TOOLS, WrenchDatagram};
 use tokio::sync::mpsc::{Receiver, channel};
 use triple_buffer::{Input, Output, triple_buffer};
 

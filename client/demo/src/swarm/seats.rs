@@ -48,7 +48,9 @@ impl Seats {
             station.name = format!("swarm-{:02}", k + 1);
             stations.push(station);
         }
-        let first = stations.first().context("a swarm has at least one station")?;
+        let first = stations
+            .first()
+            .context("a swarm has at least one station")?;
         let mut config = ServerConfig::new(first.clone(), recordings.to_owned())?;
         let mut tokens = Fixed::default();
         let mut secrets = Vec::new();

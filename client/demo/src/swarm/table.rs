@@ -17,7 +17,13 @@ const END: &str = "<!-- end: swarm -->";
 pub(super) fn lines(swarm: &Swarm) -> String {
     let mut text = format!(
         "{:<12} {:>8} {:>7} {:>23} {:>23} {:>15} {:>8}\n",
-        "station", "ticks", "missed", "tick CPU p50/p99/p99.9", "tick wall p50/p99/p99.9", "round trip p50", "dropped"
+        "station",
+        "ticks",
+        "missed",
+        "tick CPU p50/p99/p99.9",
+        "tick wall p50/p99/p99.9",
+        "round trip p50",
+        "dropped"
     );
     for one in &swarm.sessions {
         let three = |p: &Percentiles| format!("{:.0} / {:.0} / {:.0}", p.p50, p.p99, p.p999);

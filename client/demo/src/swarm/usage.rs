@@ -81,7 +81,11 @@ fn ticks_per_s() -> f64 {
 /// Name and processor time (1/100 s) of each thread of this process, by its number.
 fn times() -> BTreeMap<u32, (String, u64)> {
     let mut found = BTreeMap::new();
-    for entry in std::fs::read_dir("/proc/self/task").into_iter().flatten().flatten() {
+    for entry in std::fs::read_dir("/proc/self/task")
+        .into_iter()
+        .flatten()
+        .flatten()
+    {
         let Some(id) = entry.file_name().to_str().and_then(|id| id.parse().ok()) else {
             continue;
         };

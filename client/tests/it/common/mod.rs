@@ -3,7 +3,6 @@
 
 pub mod raw;
 
-
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::{Duration, Instant};

@@ -101,7 +101,9 @@ impl Raw {
             }
             None
         };
-        tokio::time::timeout(Duration::from_secs(10), heard).await.ok()?
+        tokio::time::timeout(Duration::from_secs(10), heard)
+            .await
+            .ok()?
     }
 }
 
