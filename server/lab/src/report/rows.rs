@@ -73,6 +73,25 @@ impl Work {
     }
 }
 
+/// The same in thousands of operations.
+pub(crate) struct Thousands {
+    pub(crate) p50: f64,
+    pub(crate) p999: f64,
+    pub(crate) max: f64,
+}
+
+impl Work {
+    /// The same in thousands of operations.
+    pub(crate) fn thousands(&self) -> Thousands {
+        let thousands = |count| f64::from(count) * 1e-3;
+        Thousands {
+            p50: thousands(self.p50),
+            p999: thousands(self.p999),
+            max: thousands(self.max),
+        }
+    }
+}
+
 /// Cases of a quick report.
 const QUICK: [&str; 13] = [
     "thin-plate-0.3mm-2",
