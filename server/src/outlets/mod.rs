@@ -2,5 +2,6 @@
 
 pub mod feed;
 pub(crate) mod metrics;
+pub(crate) mod opening;
 pub(crate) mod recording;
 pub(crate) mod status;

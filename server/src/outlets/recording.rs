@@ -1,31 +1,27 @@
 //! The recorder thread: takes the simulation's queue, writes and signs the recording, returns buffers.
 
-use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, TryRecvError};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::JoinHandle;
 use std::time::Duration;
 
 use rtrb::{Consumer, Producer};
-use sulcus_core::{Scene, State, TickOutput, Vec3};
+use sulcus_core::{Scene, TickOutput, Vec3};
 use sulcus_link::Bell;
 use sulcus_link::clock::unix_ns;
-use sulcus_program::PathText;
 use sulcus_proto::SessionSummary;
-use sulcus_proto::control::{DeviceInfo, Event};
+use sulcus_proto::control::Event;
 use sulcus_proto::station::StationEvent;
 use sulcus_sessions::exercise::events::{LOST, Look};
-use sulcus_sessions::record::plan::{PlanChange, PlanFacts};
-use sulcus_sessions::record::predecessor::Predecessor;
 use tokio::sync::broadcast;
 
 use sulcus_sessions::{
-    DeviceFacts, Events, Exercise, Level, Limits, Moved, Occurrence, RecordError, RecordedTick,
-    Recorder, Row, Sampler, SessionEnd, SessionHeader, SessionWriter, Shapes, StationKey,
+    Events, Exercise, Level, Moved, Occurrence, RecordError, RecordedTick, Row, Sampler,
+    SessionEnd, SessionWriter, Shapes,
 };
 
 use crate::outlets::feed::{FeedPublisher, SessionFeed};
-use crate::outlets::status::{Live, StatusOutlet};
+use crate::outlets::status::StatusOutlet;
 use crate::session::changes::Changes;
 use crate::session::gaps::Gaps;
 use crate::session::handoff::{Attachment, Flags, Provoked};
@@ -92,46 +88,23 @@ pub(crate) struct Report {
     pub error: Option<String>,
 }
 
-/// Facts of a session before its recording.
-pub(crate) struct Opening {
-    /// Plan of the session.
-    pub plan: Arc<SessionPlan>,
-    /// Folder of recordings.
-    pub folder: PathBuf,
-    /// File of the station's key; `None`: the default path.
-    pub key: Option<PathBuf>,
-    /// Name of the station.
-    pub station: String,
-    /// Opaque learner id; empty for an anonymous learner.
-    pub learner: String,
-    /// First line of the log: the client's program and device.
-    pub client: String,
-    /// Device of the client.
-    pub device: DeviceInfo,
-    /// Attach epoch of the first connection.
-    pub epoch: u32,
-    /// Path of the recording that this one continues.
-    pub predecessor: Option<PathBuf>,
-    /// Status of the session, for the station.
-    pub live: Arc<Live>,
-    /// Events for instructors.
-    pub events: broadcast::Sender<StationEvent>,
-    /// Writer of the feed for displays.
-    pub feed: Arc<Mutex<FeedPublisher>>,
-}
-
 /// An open recording with header, scene and the state before the first tick; its file's name; the finder of events;
 /// the listeners besides the recording.
-pub(crate) struct Open(SessionWriter, String, Narrator, Listeners);
+pub(crate) struct Open(
+    pub(super) SessionWriter,
+    pub(super) String,
+    pub(super) Narrator,
+    pub(super) Listeners,
+);
 
 /// Listeners besides the recording: status and events for instructors. No listener blocks.
 pub(crate) struct Listeners {
-    station: String,
-    status: StatusOutlet,
-    events: broadcast::Sender<StationEvent>,
+    pub(super) station: String,
+    pub(super) status: StatusOutlet,
+    pub(super) events: broadcast::Sender<StationEvent>,
     /// Feed of this session, if the plan has a scene for displays.
-    session: Option<SessionFeed>,
-    feed: Arc<Mutex<FeedPublisher>>,
+    pub(super) session: Option<SessionFeed>,
+    pub(super) feed: Arc<Mutex<FeedPublisher>>,
 }
 
 impl Listeners {
@@ -166,7 +139,7 @@ pub(crate) struct Narrator {
 }
 
 impl Narrator {
-    fn new(plan: &SessionPlan) -> Self {
+    pub(super) fn new(plan: &SessionPlan) -> Self {
         let exercise = Exercise::recorded(&plan.exercise.definition);
         let events = Events::new(&plan.scene, &exercise);
         for what in events.missing() {
@@ -213,115 +186,6 @@ pub(crate) struct Returned {
     pub looks: Producer<Vec<Vec3>>,
     /// Buffers of shapes for viewers.
     pub shapes: Producer<Box<Shapes>>,
-}
-
-/// Opens a recording under a new name and writes header, scene and first state.
-///
-/// # Errors
-/// One sentence: the key is unusable, the folder is missing, the disk is full, or a thousand sessions began in this
-/// second.
-pub(crate) fn open(opening: Opening) -> Result<Open, String> {
-    let plan = &opening.plan;
-    let started = unix_ns();
-    let header = SessionHeader {
-        exercise_name: plan.exercise.name.clone(),
-        exercise: plan.exercise.definition.clone(),
-        patient: plan.patient.clone(),
-        rubric: plan.rubric.clone(),
-        seed: plan.exercise.seed,
-        station: opening.station.clone(),
-        learner_id: opening.learner.clone(),
-        mode: Some(plan.mode),
-        started_unix_ns: started,
-        devices: devices(&plan.scene, &opening.device),
-        limits: Some(limits(&plan.scene)),
-        plan: Some(facts(plan, &opening.station)),
-        attach_epoch: Some(opening.epoch),
-        predecessor: opening.predecessor.as_deref().and_then(predecessor),
-        ..SessionHeader::new(plan.scene_bytes.to_vec())
-    };
-    let key = station_key(opening.key.as_deref()).map_err(|error| error.to_string())?;
-    let (recorder, path) =
-        Recorder::create_in(&opening.folder, &header, &key).map_err(|error| error.to_string())?;
-    let name = path
-        .file_name()
-        .unwrap_or_default()
-        .to_string_lossy()
-        .into_owned();
-    let begin = State::new(&plan.scene).to_bytes();
-    let client = Some(opening.client.as_str());
-    let mut writer = SessionWriter::begin(recorder, &plan.scene, started, &begin, client)
-        .map_err(|error| error.to_string())?;
-    writer.flush().map_err(|error| error.to_string())?;
-    let session = plan.display.as_ref().map(|display| {
-        let mut feed = opening.feed.lock().unwrap_or_else(PoisonError::into_inner);
-        SessionFeed::begin(&mut feed, &plan.scene, display.clone())
-    });
-    let listeners = Listeners {
-        station: opening.station,
-        status: StatusOutlet::new(&plan.scene, opening.live),
-        events: opening.events,
-        session,
-        feed: opening.feed,
-    };
-    Ok(Open(writer, name, Narrator::new(plan), listeners))
-}
-
-/// Device of the client, for each tool of the scene.
-fn devices(scene: &Scene, device: &DeviceInfo) -> Vec<DeviceFacts> {
-    let of = |tool: u8| DeviceFacts {
-        tool,
-        name: device.name.clone(),
-        period_ns: device.period_ns,
-        workspace_scale: f64::from(device.workspace_scale),
-        max_force_n: f64::from(device.max_force_n),
-        max_torque_nm: f64::from(device.max_torque_nm),
-        force_dof: device.force_axes + device.torque_axes,
-    };
-    (0..).take(scene.tools.len()).map(of).collect()
-}
-
-/// Limits of the wrench that the client is told.
-fn limits(scene: &Scene) -> Limits {
-    let params = &scene.params;
-    Limits {
-        max_force_n: params.max_force,
-        max_torque_nm: params.max_torque,
-        max_force_step_n: params.max_force_step,
-        max_torque_step_nm: params.max_torque_step,
-    }
-}
-
-fn facts(plan: &SessionPlan, station: &str) -> PlanFacts {
-    PlanFacts {
-        name: station.to_owned(),
-        revision: plan.revision.to_string(),
-        resume_within_s: plan.resume_within.as_secs_f64(),
-        clock_runs_in_gaps: plan.clock_in_gap,
-        changed: plan.changed.as_ref().map(|changed| PlanChange {
-            unix_ns: changed.unix_ns,
-            by: changed.by.clone(),
-        }),
-    }
-}
-
-/// Recording that a new one continues. A file that cannot be read leaves the new recording on its own, with an error
-/// in the log.
-fn predecessor(path: &Path) -> Option<Predecessor> {
-    Predecessor::of(path)
-        .inspect_err(|error| {
-            tracing::error!(
-                "{}: the interrupted session cannot be continued: {error}",
-                path.shown()
-            );
-        })
-        .ok()
-}
-
-/// Key that signs recordings, from `path`, else from [`StationKey::default_path`]. A missing key is created.
-pub(crate) fn station_key(path: Option<&Path>) -> Result<StationKey, sulcus_sessions::KeyError> {
-    let path = path.map_or_else(StationKey::default_path, |path| Ok(PathBuf::from(path)))?;
-    StationKey::load_or_create(&path)
 }
 
 /// Starts the recorder's thread. The thread ends after [`FromNetwork::End`], or without an end record when the
@@ -553,6 +417,8 @@ impl Thread {
 mod tests {
     use sulcus_core::Pose;
     use sulcus_core::output::ToolOutput;
+
+    use sulcus_sessions::{Recorder, SessionHeader, StationKey};
 
     use super::*;
 

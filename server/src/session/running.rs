@@ -14,8 +14,9 @@ use sulcus_sessions::{Detached, Occurrence, Shapes};
 use triple_buffer::triple_buffer;
 
 use crate::net::datagrams::Datagrams;
+use crate::outlets::opening::{self, Opening};
 use crate::outlets::recording;
-use crate::outlets::recording::{EVENTS, FromNetwork, Opening, Report, Returned};
+use crate::outlets::recording::{EVENTS, FromNetwork, Report, Returned};
 use crate::session::handoff::{
     Attachment, Flags, Pressed, Progress, Provoked, SHAPES, SNAPSHOTS, WrenchOut,
     looks as looks_for, rows,
@@ -173,9 +174,9 @@ impl Running {
     ///
     /// # Errors
     /// The reason of the end and one sentence: the recording cannot be written, or a thread cannot start.
-    pub fn start(opening: Opening, begin: Begin) -> Result<Self, (EndReason, String)> {
-        let plan = opening.plan.clone();
-        let recorder = recording::open(opening).map_err(|text| (EndReason::Recording, text))?;
+    pub fn start(asked: Opening, begin: Begin) -> Result<Self, (EndReason, String)> {
+        let plan = asked.plan.clone();
+        let recorder = opening::open(asked).map_err(|text| (EndReason::Recording, text))?;
         let start = || -> std::io::Result<Self> {
             let scene = &plan.scene;
             let file_name = recorder.file_name().to_owned();

@@ -20,15 +20,16 @@ use tokio::task::JoinHandle;
 
 use crate::net::Stage;
 use crate::net::hello::clean;
-use crate::outlets::recording::Opening;
+use crate::outlets::opening::Opening;
 use crate::outlets::status::Live;
-use crate::session::handoff::{Flags, Provoked};
+use crate::session::handoff::Provoked;
 use crate::session::levels::Levels;
 use crate::session::running::{Begin, Ports, Running};
 use crate::station::config::{Exercise, SessionPlan};
 use crate::station::door::{Attached, Behind, Door, Student, ToStation, ToStudent, goodbye};
 use crate::station::gap::SessionClock;
 use crate::station::journal::Journal;
+use crate::station::session::Session;
 use crate::station::shared::Shared;
 
 /// Timeout from a student's attach to the start. In this time the station is in use.
@@ -44,21 +45,6 @@ const HEARS: usize = 64;
 pub(super) struct Present {
     pub epoch: u32,
     pub to_student: mpsc::Sender<ToStudent>,
-}
-
-/// A session whose threads run.
-pub(super) struct Session {
-    pub running: Running,
-    pub student: Student,
-    pub plan: Arc<SessionPlan>,
-    pub present: Option<Present>,
-    pub clock: SessionClock,
-    /// Tick at which the present gap began.
-    pub gap_tick: u64,
-    /// Ticks in gaps that have closed.
-    pub gap_ticks: u64,
-    /// Poses accepted at the last check, and the time of the newest.
-    heard: (u64, Instant),
 }
 
 pub(super) enum State {
@@ -587,88 +573,6 @@ impl Station {
             State::Ending { .. } => status.phase = Phase::Ending,
         }
         self.behind.status.send_replace(status);
-    }
-}
-
-impl Session {
-    /// Student returned under a new epoch, after a gap or in place of an older connection.
-    fn attached(&mut self, epoch: u32, replaced: bool, now: Instant) {
-        let ports = self.running.ports();
-        ports.begin_epoch(epoch);
-        self.clock.attach(now);
-        let tick = ports.tick();
-        let ticks = if replaced {
-            0
-        } else {
-            tick.saturating_sub(self.gap_tick)
-        };
-        self.gap_ticks += ticks;
-        self.heard.1 = now;
-    }
-
-    /// Student gone: the tools are let go, the session waits.
-    fn detached(&mut self, reason: Detached, now: Instant) {
-        let ports = self.running.ports();
-        ports.let_go(reason);
-        self.clock.detach(now);
-        self.gap_tick = ports.tick();
-    }
-
-    /// Writes the state of the session into a status.
-    fn fill(&self, status: &mut StationStatus, live: &Live) {
-        let now = Instant::now();
-        let ports = self.running.ports();
-        status.phase = if self.present.is_some() {
-            Phase::Running
-        } else {
-            Phase::Waiting
-        };
-        status.learner.clone_from(&self.student.learner);
-        status.exercise.clone_from(&self.plan.exercise.name);
-        status.mode = self.plan.mode.to_string();
-        status.recording = self.running.file_name().to_owned();
-        status.tick = ports.tick();
-        status.rate_hz = self.plan.scene.params.rate_hz;
-        status.elapsed_ms = self.clock.elapsed(now).as_millis() as u64;
-        status.gap_ms = u32::try_from(self.clock.gap(now).as_millis()).unwrap_or(u32::MAX);
-        status.gaps = self.clock.count();
-        status.poses_lost = ports.datagrams().counts().lost;
-        live.fill(status);
-    }
-
-    /// Reason to end the session now.
-    fn check(&mut self, now: Instant, station: &str) -> Option<EndReason> {
-        let ports = self.running.ports();
-        if Flags::is_up(&ports.flags().record_failed) {
-            return Some(EndReason::Recording);
-        }
-        if Flags::is_up(&ports.flags().simulation_over) {
-            return Some(EndReason::Simulation);
-        }
-        if let Some(limit) = self.plan.max_session
-            && self.clock.elapsed(now) >= limit
-        {
-            return Some(EndReason::TimeUp);
-        }
-        if self.present.is_none() {
-            let over = self.clock.gap(now) >= self.plan.resume_within;
-            return over.then_some(EndReason::ConnectionLost);
-        }
-        let accepted = ports.datagrams().counts().accepted;
-        if accepted != self.heard.0 {
-            self.heard = (accepted, now);
-            return None;
-        }
-        let silent = now.saturating_duration_since(self.heard.1);
-        if silent < self.plan.max_silence {
-            return None;
-        }
-        tracing::warn!(
-            "station {station}: the session ends: no new pose for {:.1} s, expected one within {:.0} s",
-            silent.as_secs_f64(),
-            self.plan.max_silence.as_secs_f64()
-        );
-        Some(EndReason::ConnectionLost)
     }
 }
 

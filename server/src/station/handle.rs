@@ -51,7 +51,7 @@ impl Server {
             source,
         })?;
         // A missing key is an error of the start, not of the first session.
-        crate::outlets::recording::station_key(config.station_key.as_deref())?;
+        crate::outlets::opening::station_key(config.station_key.as_deref())?;
         let identity = match &config.identity {
             Some((certificate, key)) => Identity::from_der(certificate, key),
             None => Identity::generate(&config.stations[0].name)?,

@@ -10,4 +10,5 @@ pub mod handle;
 mod instruct;
 pub(crate) mod journal;
 pub mod planner;
+mod session;
 pub(crate) mod shared;

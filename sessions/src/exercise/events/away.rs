@@ -204,6 +204,7 @@ mod tests {
                 });
                 let output = TickOutput {
                     tick: self.tick,
+                    work: 0,
                     hash: 0,
                     tools,
                 };

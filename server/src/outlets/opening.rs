@@ -1,0 +1,156 @@
+//! Beginning of a recording: header, scene, state before the first tick.
+
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex, PoisonError};
+
+use sulcus_core::{Scene, State};
+use sulcus_link::clock::unix_ns;
+use sulcus_program::PathText;
+use sulcus_proto::control::DeviceInfo;
+use sulcus_proto::station::StationEvent;
+use sulcus_sessions::record::plan::{PlanChange, PlanFacts};
+use sulcus_sessions::record::predecessor::Predecessor;
+use sulcus_sessions::{DeviceFacts, Limits, Recorder, SessionHeader, SessionWriter, StationKey};
+use tokio::sync::broadcast;
+
+use crate::outlets::feed::{FeedPublisher, SessionFeed};
+use crate::outlets::recording::{Listeners, Narrator, Open};
+use crate::outlets::status::{Live, StatusOutlet};
+use crate::station::config::SessionPlan;
+
+/// Facts of a session before its recording.
+pub(crate) struct Opening {
+    /// Plan of the session.
+    pub plan: Arc<SessionPlan>,
+    /// Folder of recordings.
+    pub folder: PathBuf,
+    /// File of the station's key; `None`: the default path.
+    pub key: Option<PathBuf>,
+    /// Name of the station.
+    pub station: String,
+    /// Opaque learner id; empty for an anonymous learner.
+    pub learner: String,
+    /// First line of the log: the client's program and device.
+    pub client: String,
+    /// Device of the client.
+    pub device: DeviceInfo,
+    /// Attach epoch of the first connection.
+    pub epoch: u32,
+    /// Path of the recording that this one continues.
+    pub predecessor: Option<PathBuf>,
+    /// Status of the session, for the station.
+    pub live: Arc<Live>,
+    /// Events for instructors.
+    pub events: broadcast::Sender<StationEvent>,
+    /// Writer of the feed for displays.
+    pub feed: Arc<Mutex<FeedPublisher>>,
+}
+
+/// Opens a recording under a new name and writes header, scene and first state.
+///
+/// # Errors
+/// One sentence: the key is unusable, the folder is missing, the disk is full, or a thousand sessions began in this
+/// second.
+pub(crate) fn open(opening: Opening) -> Result<Open, String> {
+    let plan = &opening.plan;
+    let started = unix_ns();
+    let header = SessionHeader {
+        exercise_name: plan.exercise.name.clone(),
+        exercise: plan.exercise.definition.clone(),
+        patient: plan.patient.clone(),
+        rubric: plan.rubric.clone(),
+        seed: plan.exercise.seed,
+        station: opening.station.clone(),
+        learner_id: opening.learner.clone(),
+        mode: Some(plan.mode),
+        started_unix_ns: started,
+        devices: devices(&plan.scene, &opening.device),
+        limits: Some(limits(&plan.scene)),
+        plan: Some(facts(plan, &opening.station)),
+        attach_epoch: Some(opening.epoch),
+        predecessor: opening.predecessor.as_deref().and_then(predecessor),
+        ..SessionHeader::new(plan.scene_bytes.to_vec())
+    };
+    let key = station_key(opening.key.as_deref()).map_err(|error| error.to_string())?;
+    let (recorder, path) =
+        Recorder::create_in(&opening.folder, &header, &key).map_err(|error| error.to_string())?;
+    let name = path
+        .file_name()
+        .unwrap_or_default()
+        .to_string_lossy()
+        .into_owned();
+    let begin = State::new(&plan.scene).to_bytes();
+    let client = Some(opening.client.as_str());
+    let mut writer = SessionWriter::begin(recorder, &plan.scene, started, &begin, client)
+        .map_err(|error| error.to_string())?;
+    writer.flush().map_err(|error| error.to_string())?;
+    let session = plan.display.as_ref().map(|display| {
+        let mut feed = opening.feed.lock().unwrap_or_else(PoisonError::into_inner);
+        SessionFeed::begin(&mut feed, &plan.scene, display.clone())
+    });
+    let listeners = Listeners {
+        station: opening.station,
+        status: StatusOutlet::new(&plan.scene, opening.live),
+        events: opening.events,
+        session,
+        feed: opening.feed,
+    };
+    Ok(Open(writer, name, Narrator::new(plan), listeners))
+}
+
+/// Device of the client, for each tool of the scene.
+fn devices(scene: &Scene, device: &DeviceInfo) -> Vec<DeviceFacts> {
+    let of = |tool: u8| DeviceFacts {
+        tool,
+        name: device.name.clone(),
+        period_ns: device.period_ns,
+        workspace_scale: f64::from(device.workspace_scale),
+        max_force_n: f64::from(device.max_force_n),
+        max_torque_nm: f64::from(device.max_torque_nm),
+        force_dof: device.force_axes + device.torque_axes,
+    };
+    (0..).take(scene.tools.len()).map(of).collect()
+}
+
+/// Limits of the wrench that the client is told.
+fn limits(scene: &Scene) -> Limits {
+    let params = &scene.params;
+    Limits {
+        max_force_n: params.max_force,
+        max_torque_nm: params.max_torque,
+        max_force_step_n: params.max_force_step,
+        max_torque_step_nm: params.max_torque_step,
+    }
+}
+
+fn facts(plan: &SessionPlan, station: &str) -> PlanFacts {
+    PlanFacts {
+        name: station.to_owned(),
+        revision: plan.revision.to_string(),
+        resume_within_s: plan.resume_within.as_secs_f64(),
+        clock_runs_in_gaps: plan.clock_in_gap,
+        changed: plan.changed.as_ref().map(|changed| PlanChange {
+            unix_ns: changed.unix_ns,
+            by: changed.by.clone(),
+        }),
+    }
+}
+
+/// Recording that a new one continues. A file that cannot be read leaves the new recording on its own, with an error
+/// in the log.
+fn predecessor(path: &Path) -> Option<Predecessor> {
+    Predecessor::of(path)
+        .inspect_err(|error| {
+            tracing::error!(
+                "{}: the interrupted session cannot be continued: {error}",
+                path.shown()
+            );
+        })
+        .ok()
+}
+
+/// Key that signs recordings, from `path`, else from [`StationKey::default_path`]. A missing key is created.
+pub(crate) fn station_key(path: Option<&Path>) -> Result<StationKey, sulcus_sessions::KeyError> {
+    let path = path.map_or_else(StationKey::default_path, |path| Ok(PathBuf::from(path)))?;
+    StationKey::load_or_create(&path)
+}
