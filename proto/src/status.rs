@@ -36,5 +36,7 @@ pub const FAULT: u16 = 1 << 12;
 pub const SETTLING: u16 = 1 << 13;
 /// The *haptic* tool has no contact within 0.5 mm of any object. Devices arm only with this bit.
 ///
-/// The server computes the bit once in 16 ticks and adds it to the tick's own bits.
+/// The server computes the bit 62.5 times a second and adds it to the tick's own bits.
 pub const FREE: u16 = 1 << 14;
+/// The graphic tool has not met the hand since its entry: it is still on its way.
+pub const NOT_MET: u16 = 1 << 15;

@@ -310,10 +310,10 @@ impl Station {
         };
         match (present, &self.state) {
             // A client that connects again before its old connection has timed out.
-            (Some(present), _) if is_same(first, student) && student.follows == present.epoch => {
+            (Some(present), _) if first.is_same(student) && student.follows == present.epoch => {
                 None
             }
-            (None, _) if is_same(first, student) => None,
+            (None, _) if first.is_same(student) => None,
             (None, State::Running(session)) => {
                 let gap = session.clock.gap(Instant::now());
                 let left = session.plan.resume_within.saturating_sub(gap).as_secs() + 1;
@@ -577,13 +577,6 @@ impl Station {
 }
 
 const IN_USE: &str = "this station is in use by another client; wait until its session ends";
-
-/// Whether a student is the one of the session: the same token and, where both are known, the same learner.
-fn is_same(first: &Student, next: &Student) -> bool {
-    let learners = [&first.learner, &next.learner];
-    first.grant.id == next.grant.id
-        && (learners.iter().any(|id| id.is_empty()) || first.learner == next.learner)
-}
 
 fn refused<T>(reason: RefusedReason, text: &str) -> Result<T, Refused> {
     Err(Refused {

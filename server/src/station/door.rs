@@ -37,6 +37,15 @@ pub(crate) struct Student {
     pub follows: u32,
 }
 
+impl Student {
+    /// Whether `next` is the same student: the same token and, where both are known, the same learner.
+    pub fn is_same(&self, next: &Self) -> bool {
+        let learners = [&self.learner, &next.learner];
+        self.grant.id == next.grant.id
+            && (learners.iter().any(|id| id.is_empty()) || self.learner == next.learner)
+    }
+}
+
 /// An attached student's side of a station.
 pub(crate) struct Attached {
     /// Attach epoch; number of this connection at the station.

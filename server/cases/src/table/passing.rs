@@ -336,10 +336,6 @@ pub(super) const CASES: &[Case] = &[
         name: "organ-comes-back",
         about: "the same with a tongue of finite elements",
         scene: || twice(organ(0.5)),
-        bounds: Bounds {
-            exhausted_share: 0.02,
-            ..COMES_BACK.bounds
-        },
         ..COMES_BACK
     },
 ];

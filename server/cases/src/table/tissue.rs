@@ -368,8 +368,6 @@ pub(super) const CASES: &[Case] = &[
             })
         }),
         bounds: Bounds {
-            // Three passes in most ticks, of which the bound on the work of a tick allows two.
-            exhausted_share: 0.45,
             // The force belongs to another place in every tick. A wrench that is held over a tick does work on a hand
             // that moves to and fro without regard to it.
             buzz: 0.7,
@@ -412,14 +410,12 @@ pub(super) const CASES: &[Case] = &[
         name: "organ-10-k2",
         about: "the same coupled with 2 N/mm",
         scene: || organ(2.0),
-        bounds: ORGAN,
         ..TONGUE
     },
     Case {
         name: "organ-10-k5",
         about: "the same coupled with 5 N/mm",
         scene: || organ(5.0),
-        bounds: ORGAN,
         ..TONGUE
     },
     Case {
@@ -427,7 +423,6 @@ pub(super) const CASES: &[Case] = &[
         about: "the mirror 15 mm in the tongue of finite elements, coupled with 0.5 N/mm: no normal flips",
         scene: || organ(0.5),
         driver: Driver::Kinematic(|scene| press_and_slide(scene, 15e-3)),
-        bounds: ORGAN,
         ..TONGUE
     },
     Case {
@@ -435,7 +430,6 @@ pub(super) const CASES: &[Case] = &[
         about: "the same coupled with 2 N/mm",
         scene: || organ(2.0),
         driver: Driver::Kinematic(|scene| press_and_slide(scene, 15e-3)),
-        bounds: ORGAN,
         ..TONGUE
     },
     Case {
@@ -443,7 +437,6 @@ pub(super) const CASES: &[Case] = &[
         about: "the same coupled with 5 N/mm",
         scene: || organ(5.0),
         driver: Driver::Kinematic(|scene| press_and_slide(scene, 15e-3)),
-        bounds: ORGAN,
         ..TONGUE
     },
     Case {
@@ -477,13 +470,6 @@ pub(super) const CASES: &[Case] = &[
         ..TONGUE_REST
     },
 ];
-
-/// Bounds of a mirror deep in the tongue of finite elements: in some ticks the bound on their work allows one pass of
-/// two.
-const ORGAN: Bounds = Bounds {
-    exhausted_share: 0.09,
-    ..TONGUE.bounds
-};
 
 /// Bounds for a hand that leaps in one tick. The tool follows by at most 8 substeps of half a millimetre in each tick,
 /// and the whole raw force comes at its arrival.

@@ -81,9 +81,9 @@ fn allowed(name: &str) -> [u64; 3] {
     numbers.try_into().expect("three numbers")
 }
 
-/// Largest work of a tick, operations: the bound, and a sixth for the last pass, whose work is estimated. Measured:
-/// 576,430.
-const MOST_WORK: u32 = 600_000;
+/// Largest work of a tick, operations: the bound, and a tenth for the last pass, whose work is estimated. Measured:
+/// 1,015,800.
+const MOST_WORK: u32 = 1_100_000;
 
 /// Findings beyond the table, in words.
 fn beyond_table(name: &str, exhausted: u64, work: u32, found: &Deviation) -> Vec<String> {

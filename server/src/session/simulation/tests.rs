@@ -43,6 +43,8 @@ fn status_bits_are_the_same_in_core_and_on_the_wire() {
         (core::RAMPING, wire::RAMPING),
         (core::FAULT, wire::FAULT),
         (core::SETTLING, wire::SETTLING),
+        (core::FREE, wire::FREE),
+        (core::NOT_MET, wire::NOT_MET),
     ];
     assert!(pairs.iter().all(|(core, wire)| core == wire));
 }
