@@ -21,6 +21,7 @@ pub mod cli;
 mod commands;
 pub mod control_socket;
 pub mod error;
+mod exact;
 pub mod net;
 mod outlets;
 pub mod plan;

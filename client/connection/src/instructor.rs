@@ -102,7 +102,11 @@ impl Instructor {
         });
         let lost = || LinkError::Lost("the connection has ended".into());
         let to_server = self.to_server.as_ref().ok_or_else(lost)?;
-        to_server.blocking_send(message).map_err(|_| lost())?;
+        if to_server.blocking_send(message).is_err() {
+            // The thread has ended and left its error.
+            let ended = self.answers.try_iter().find_map(Result::err);
+            return Err(ended.unwrap_or_else(lost));
+        }
         loop {
             match self.answers.recv_timeout(ANSWER) {
                 Ok(Ok(answer)) if answer.number == self.number => return Ok(answer),

@@ -360,19 +360,27 @@ fn gaps_do_not_punish(name: &str, gaps: &[(u64, Cut)]) {
 
 #[test]
 fn a_probing_that_is_cut_in_a_reading_has_the_grade_of_the_uncut_one() {
-    let gaps = [
-        (1000, Cut::Stale),
-        (1000, Cut::Detached),
-        (5000, Cut::Detached),
-        (20_000, Cut::Detached),
-        (2000, Cut::Killed),
-    ];
-    gaps_do_not_punish("probing", &gaps);
+    gaps_do_not_punish("probing", &[(1000, Cut::Stale), (5000, Cut::Detached)]);
 }
 
-#[test]
-fn both_hands_that_are_cut_in_a_reading_have_the_grade_of_the_uncut_ones() {
-    gaps_do_not_punish("bimanual", &[(5000, Cut::Detached)]);
+mod long {
+    use sulcus_support::long;
+
+    use super::{Cut, gaps_do_not_punish};
+
+    #[test]
+    fn gaps_of_every_length_and_kind_have_the_grade_of_the_uncut_session() {
+        if !long::selected("gaps-of-every-length") {
+            return;
+        }
+        let gaps = [
+            (1000, Cut::Detached),
+            (20_000, Cut::Detached),
+            (2000, Cut::Killed),
+        ];
+        gaps_do_not_punish("probing", &gaps);
+        gaps_do_not_punish("bimanual", &[(5000, Cut::Detached)]);
+    }
 }
 
 /// A hand without a force for half a second behind the gap presses deeper, and nothing of it counts.

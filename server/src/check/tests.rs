@@ -12,7 +12,7 @@ use crate::state::tokens::{NewToken, Place, TokenStore};
 use crate::state::{ServerIdentity, StateFolder, date};
 
 fn station(name: &str, change: &str) -> Station {
-    let change: PlanChange = toml::from_str(change).expect("a change");
+    let change: PlanChange = crate::exact::read(change).expect("a change");
     Station {
         name: name.into(),
         plan: Plan::of(&change).expect("a plan"),

@@ -292,9 +292,7 @@ fn load(folder: &StateFolder, station: &str) -> Result<Option<Stored>, PlanError
 fn parse(bytes: &[u8], path: &Path, station: &str) -> Result<Stored, PlanError> {
     let wrong = |why: String| StateError::content(path, why);
     let text = std::str::from_utf8(bytes).map_err(|_| wrong("no text, expected a plan".into()))?;
-    let stored: Stored = toml::Deserializer::parse(text)
-        .and_then(sulcus_core::exactly)
-        .map_err(|error| content(path, text, &error))?;
+    let stored: Stored = crate::exact::read(text).map_err(|error| content(path, text, &error))?;
     if stored.version != VERSION {
         let found = stored.version;
         let why = format!(

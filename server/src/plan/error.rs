@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use sulcus_program::PathText;
 
 use super::change::Fault;
+use crate::exact::TomlError;
 use crate::state::StateError;
 
 /// Reason why a plan or a file of plans cannot be used.
@@ -67,7 +68,7 @@ pub enum PlanError {
 }
 
 /// Error of the TOML reader as one line: file, line and reason.
-pub(super) fn content(path: &Path, text: &str, error: &toml::de::Error) -> PlanError {
+pub(super) fn content(path: &Path, text: &str, error: &TomlError) -> PlanError {
     PlanError::Content {
         path: path.to_owned(),
         line: error.span().map_or(1, |span| line_of(text, span.start)),

@@ -213,7 +213,7 @@ mod tests {
     use crate::plan::PlanChange;
 
     fn plan(change: &str) -> Plan {
-        let change: PlanChange = toml::from_str(change).expect("a change");
+        let change: PlanChange = crate::exact::read(change).expect("a change");
         Plan::of(&change).expect("a plan")
     }
 

@@ -112,9 +112,7 @@ impl StationsFile {
     /// # Errors
     /// The errors of [`StationsFile::open`].
     pub fn parse(text: &str, path: &Path) -> Result<Self, PlanError> {
-        let raw: Raw = toml::Deserializer::parse(text)
-            .and_then(sulcus_core::exactly)
-            .map_err(|error| content(path, text, &error))?;
+        let raw: Raw = crate::exact::read(text).map_err(|error| content(path, text, &error))?;
         let wrong = |line: usize, why: String| PlanError::Content {
             path: path.to_owned(),
             line,
@@ -153,7 +151,7 @@ impl StationsFile {
             return Err(wrong(1, why));
         }
         // The text is valid, and the outline reads less of it.
-        let outline: Vec<usize> = toml::from_str::<Outline>(text)
+        let outline: Vec<usize> = crate::exact::read::<Outline>(text)
             .map(|outline| outline.station)
             .unwrap_or_default()
             .iter()
@@ -198,9 +196,7 @@ impl PlanChange {
     /// # Errors
     /// The text is not valid: line, name, value found, value expected.
     pub fn parse(text: &str, path: &Path) -> Result<Self, PlanError> {
-        toml::Deserializer::parse(text)
-            .and_then(sulcus_core::exactly)
-            .map_err(|error| content(path, text, &error))
+        crate::exact::read(text).map_err(|error| content(path, text, &error))
     }
 
     /// Parts of a plan in a file for `plan set --file`. Relative paths are relative to the file's folder.

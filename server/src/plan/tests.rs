@@ -16,7 +16,7 @@ fn file(text: &str) -> Result<StationsFile, String> {
 }
 
 fn change(text: &str) -> PlanChange {
-    toml::from_str(text).expect("a change")
+    crate::exact::read(text).expect("a change")
 }
 
 fn state() -> (tempfile::TempDir, StateFolder) {
@@ -413,7 +413,7 @@ proptest! {
             return Ok(());
         };
         let text = toml::to_string(&plan).expect("writes");
-        prop_assert_eq!(&toml::from_str::<Plan>(&text).expect("reads"), &plan);
+        prop_assert_eq!(&crate::exact::read::<Plan>(&text).expect("reads"), &plan);
         let json = serde_json::to_string(&plan).expect("writes");
         prop_assert_eq!(&serde_json::from_str::<Plan>(&json).expect("reads"), &plan);
         // A change to a plan leads to it from any other plan.

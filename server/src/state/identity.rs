@@ -202,7 +202,7 @@ impl ServerIdentity {
         let advice = "restore the file from a backup, or run `sulcus-server certificate rotate`, which changes all tickets";
         let text = std::str::from_utf8(bytes)
             .map_err(|_| format!("the content is no text, expected an identity; {advice}"))?;
-        let stored: Stored = toml::from_str(text).map_err(|error| {
+        let stored: Stored = crate::exact::read(text).map_err(|error| {
             // The message of the reader alone: its long form quotes the line.
             let line = error.span().map_or(1, |span| {
                 1 + text[..span.start.min(text.len())].matches('\n').count()

@@ -53,8 +53,8 @@ impl Journal {
         Self { file, interrupted }
     }
 
-    /// File name of the recording that a session with these facts continues; `None` for a session of its own. The interrupted session
-    /// is forgotten in either case.
+    /// File name of the recording that a session with these facts continues; `None` for a session of its own. The
+    /// interrupted session is forgotten in either case.
     pub fn predecessor(
         &mut self,
         token: &str,

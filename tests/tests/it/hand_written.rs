@@ -2,10 +2,11 @@
 
 use crate::sources::{MEMBERS, root, walk};
 
-/// Sources that may name the reader of TOML: the two ways to [`sulcus_core::exactly`], and the reader of a recording's patient,
+/// Sources that may name the reader of TOML: the three ways to [`sulcus_core::exactly`], and the reader of a recording's patient,
 /// which looks at single values of a table.
-const READERS: [&str; 3] = [
+const READERS: [&str; 4] = [
     "server/scene/src/hand_written.rs",
+    "server/src/exact.rs",
     "sessions/src/grade/patient.rs",
     "sessions/src/record/written.rs",
 ];

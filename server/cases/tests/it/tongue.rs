@@ -328,6 +328,10 @@ fn skin_follows(scene: &Scene, detail: u8, deep: f64) -> (f64, f64) {
             .collect(),
         triangles: object.mesh.triangles.clone(),
     };
+    // A press of 22 mm at the fine level needs more work than a tick may do by default; the skin alone is judged here.
+    let mut scene = scene.clone();
+    scene.params.max_work = 0;
+    let scene = &scene;
     let mut run = Run::new(scene);
     run.detail = detail;
     run.press(deep);

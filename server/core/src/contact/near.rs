@@ -16,8 +16,8 @@ pub(crate) enum Near {
 
 /// Whether any pair of contact spheres of a tool and an object has a gap under `d` (metres).
 ///
-/// `posed` must be at the tool's pose. `object` has the nodes in world axes and the level in contact. `stack` is scratch
-/// with the capacity [`super::STACK`]. The number of tested pairs is taken from `tests`.
+/// `posed` must be at the tool's pose. `object` has the nodes in world axes and the level in contact. `stack` is
+/// scratch with the capacity [`super::STACK`]. The number of tested pairs is taken from `tests`.
 pub(super) fn any_within(
     tool: &PosedTool<'_>,
     posed: &mut Posed,

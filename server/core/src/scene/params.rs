@@ -88,9 +88,9 @@ pub struct Params {
     /// this limit, too, and the tool catches up no faster. With 0 a tool does not arrive, as in scenes up to version 7:
     /// the first touch has no limit, and [`crate::output::status::NOT_MET`] is never set.
     pub max_arrival_step: f64,
-    /// Largest counted work of a tick, operations; see [`crate::work`]. Default 1,000,000, which is a millisecond of the
-    /// reference machine; range 50,000.., or 0 for no bound, as in scenes up to version 7. Of the hard cases only random
-    /// leaps reach the default. At 500,000 a probe that flickers in a pocket is exhausted in 38 % of its ticks.
+    /// Largest counted work of a tick, operations; see [`crate::work`]. Default 1,000,000, a millisecond of the
+    /// reference machine; range 50,000.., or 0 for no bound, as in scenes up to version 7. Of the hard cases only
+    /// random leaps reach the default. At 500,000 a probe that flickers in a pocket is exhausted in 38 % of its ticks.
     ///
     /// A pass that would exceed the rest is not begun, and the next ticks finish the motion. The first pass of every
     /// tick always takes place.

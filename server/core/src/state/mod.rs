@@ -143,8 +143,8 @@ impl State {
     /// - per tool slot: poses, ramp, wrenches and axis (f64),
     /// - per tool and object: a byte 0 without load, otherwise a byte 1 and the load (six f64),
     /// - per yielding object: a byte 0 at rest, otherwise a byte 1 and the object's numbers (f64),
-    /// - per tool slot: whether the tool has entered (a byte), and its bad ticks (u16). The byte is 0 for an absent tool,
-    ///   1 for [`Arrival::Met`], 2 for [`Arrival::Apart`], 3 for [`Arrival::Travelling`].
+    /// - per tool slot: whether the tool has entered (a byte), and its bad ticks (u16). The byte is 0 for an absent
+    ///   tool, 1 for [`Arrival::Met`], 2 for [`Arrival::Apart`], 3 for [`Arrival::Travelling`].
     ///
     /// A zero load or a tissue at rest takes a single byte, and each state has exactly one encoding.
     pub fn to_bytes(&self) -> Vec<u8> {

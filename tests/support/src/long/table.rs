@@ -232,4 +232,14 @@ pub const LONG: &[Long] = &[
         "Recordings of twenty killed servers recover and lose at most 200 ms.",
         3.0,
     ),
+    long(
+        "gaps-of-every-length",
+        "A session that is cut for 1 to 20 s, or by a crash, has the grade of the uncut session.",
+        5.0,
+    ),
+    long(
+        "any-bytes",
+        "Ten million messages of any bytes cause no panic; over a connection they leave the memory as it is.",
+        4.0,
+    ),
 ];
