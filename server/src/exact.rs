@@ -12,3 +12,11 @@ pub(crate) type TomlError = toml::de::Error;
 pub(crate) fn read<T: DeserializeOwned>(text: &str) -> Result<T, TomlError> {
     toml::Deserializer::parse(text).and_then(sulcus_core::exactly)
 }
+
+/// Reads places in a text that [`read`] has accepted. The exact reader knows no places.
+///
+/// # Errors
+/// The text is no such value.
+pub(crate) fn outline<T: DeserializeOwned>(text: &str) -> Result<T, TomlError> {
+    toml::from_str(text)
+}

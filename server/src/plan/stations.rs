@@ -151,7 +151,7 @@ impl StationsFile {
             return Err(wrong(1, why));
         }
         // The text is valid, and the outline reads less of it.
-        let outline: Vec<usize> = crate::exact::read::<Outline>(text)
+        let outline: Vec<usize> = crate::exact::outline::<Outline>(text)
             .map(|outline| outline.station)
             .unwrap_or_default()
             .iter()
