@@ -4,6 +4,7 @@ use std::net::{SocketAddr, UdpSocket};
 use std::sync::{Arc, OnceLock};
 use std::thread::JoinHandle;
 
+use sulcus_link::schedule::fifo;
 use sulcus_proto::control::Command;
 use sulcus_proto::station::StationStatus;
 use sulcus_proto::{SessionSummary, Ticket};
@@ -18,6 +19,10 @@ use crate::session::levels::Taken;
 use crate::station::door::{Door, ToStation};
 use crate::station::shared::Shared;
 use crate::{ServerConfig, ServerError};
+
+/// SCHED_FIFO priority of the network thread, above that of the simulations. Packets take a few per cent of a core for
+/// each station. Behind simulations that fill all cores they would be late, and every hand would be let go.
+const PRIORITY: i32 = 51;
 
 /// Hash of the tick self-test, computed once in a process.
 static SELF_TEST: OnceLock<u64> = OnceLock::new();
@@ -69,6 +74,7 @@ impl Server {
             token: config.token.clone(),
             fingerprint: fingerprint(&certificate_der)?,
         };
+        let real_time = config.real_time;
         let (stage, stage_out) = watch::channel(Stage::Serve);
         let mut stations = Vec::new();
         for station in &config.stations {
@@ -91,6 +97,9 @@ impl Server {
         let thread = std::thread::Builder::new()
             .name("sulcus-net".into())
             .spawn(move || {
+                if real_time && let Err(error) = fifo(PRIORITY) {
+                    tracing::debug!("no real-time scheduling for the network: {error}");
+                }
                 let served = runtime.block_on(net::serve(socket, quic, metrics, net, stations));
                 // Sessions have ended; a blocked call of the system does not delay the end.
                 runtime.shutdown_background();

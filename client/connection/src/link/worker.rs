@@ -7,6 +7,7 @@ use std::time::Duration;
 use quinn::{Connection, Endpoint, RecvStream, SendStream};
 use sulcus_link::Bell;
 use sulcus_link::control::ReadError;
+use sulcus_link::schedule::fifo;
 use sulcus_program::tell;
 use sulcus_proto::control::Goodbye;
 use sulcus_proto::datagram::Echo;
@@ -20,6 +21,8 @@ use super::returning::Returning;
 use super::stats::Shared;
 use super::{Link, LinkConfig, LinkError, PosePacket, Watchdog, WrenchPacket, control, now_ns};
 
+/// SCHED_FIFO priority of the link's thread, above that of the device's: a packet takes some microseconds.
+const PRIORITY: i32 = 46;
 /// Largest number of messages that wait to be written.
 const MESSAGES: usize = 64;
 /// Timeout for the last packets after the close.
@@ -41,6 +44,9 @@ pub(super) fn spawn(config: LinkConfig) -> Result<Link, LinkError> {
     let thread = std::thread::Builder::new()
         .name("sulcus-link".into())
         .spawn(move || {
+            if let Err(error) = fifo(PRIORITY) {
+                tracing::debug!("no real-time scheduling for the link: {error}");
+            }
             runtime.block_on(async {
                 let welcome = match shake(&config).await {
                     Ok(welcome) => welcome,
