@@ -118,7 +118,7 @@ fn session(station: &Station, seconds: u64) -> SessionSummary {
     summary
 }
 
-/// One flood could once have filled the server's only thread.
+/// A flood could once have filled the server's only thread.
 #[test]
 fn a_flood_of_datagrams_is_dropped_with_a_sentence_and_reaches_no_other_station() {
     // A shared machine may disturb one of the pairs; a flood would disturb all of them.

@@ -53,7 +53,7 @@ fn watcher(station: &Station, role: Role) -> Instructor {
     Instructor::connect(config_of(station, role, role.name())).unwrap()
 }
 
-/// What becomes of a connection within a short time.
+/// Outcome of a connection within a short time.
 async fn outcome(raw: &mut Raw) -> Outcome {
     let heard = async {
         while let Some(message) = raw.hear().await {
@@ -87,7 +87,7 @@ enum Outcome {
     Ended,
 }
 
-/// One message of every kind; instructions are for `station`.
+/// A message of every kind; instructions are for `station`.
 fn every_message(station: &str) -> Vec<ClientMessage> {
     let instruct = |instruction| {
         ClientMessage::Instruct(Instruct {

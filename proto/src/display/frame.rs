@@ -57,7 +57,7 @@ pub struct Spot {
     pub since: u64,
 }
 
-/// One instant. A frame is complete in itself: an object that is not listed is at rest.
+/// Moving shapes at an instant. A frame is complete in itself: an object that is not listed is at rest.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct DisplayFrame {
     /// Number of the frame, counted from the start of the feed. A gap shows lost frames.

@@ -60,7 +60,7 @@ impl Desk {
     /// Compiles the present plan of a station.
     ///
     /// # Errors
-    /// The station is unknown, or the plan cannot be compiled: see [`prepare`].
+    /// The station is unknown, or the plan cannot be compiled: see [`prepare()`].
     pub fn compile(
         &self,
         station: &str,
