@@ -29,6 +29,7 @@ pub mod control;
 pub mod datagram;
 pub mod display;
 pub mod frame;
+pub mod hex;
 pub mod learner;
 pub mod limits;
 pub mod newest;

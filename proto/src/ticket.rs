@@ -5,6 +5,8 @@
 use std::fmt;
 use std::str::FromStr;
 
+use crate::hex::{from_hex32, hex};
+
 /// Access token and fingerprint of the pinned certificate.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Ticket {
@@ -32,7 +34,7 @@ impl FromStr for Ticket {
 
     fn from_str(text: &str) -> Result<Self, TicketError> {
         let (token, digits) = text.trim().rsplit_once('.').ok_or(TicketError)?;
-        let fingerprint = parse_hex(digits).ok_or(TicketError)?;
+        let fingerprint = from_hex32(digits).ok_or(TicketError)?;
         if token.is_empty() {
             return Err(TicketError);
         }
@@ -41,30 +43,6 @@ impl FromStr for Ticket {
             fingerprint,
         })
     }
-}
-
-/// Formats bytes as lower-case hexadecimal digits.
-pub fn hex(bytes: &[u8]) -> String {
-    use fmt::Write as _;
-    bytes
-        .iter()
-        .fold(String::with_capacity(2 * bytes.len()), |mut text, byte| {
-            let _ = write!(text, "{byte:02x}");
-            text
-        })
-}
-
-/// Parses a fingerprint of 64 hexadecimal digits; `None` if invalid.
-pub fn parse_hex(digits: &str) -> Option<[u8; 32]> {
-    // This check comes first: `from_str_radix` also accepts signs, and slicing needs single-byte characters.
-    if digits.len() != 64 || !digits.bytes().all(|b| b.is_ascii_hexdigit()) {
-        return None;
-    }
-    let mut bytes = [0; 32];
-    for (byte, at) in bytes.iter_mut().zip((0..).step_by(2)) {
-        *byte = u8::from_str_radix(&digits[at..at + 2], 16).ok()?;
-    }
-    Some(bytes)
 }
 
 #[cfg(test)]

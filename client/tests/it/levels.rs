@@ -1,11 +1,11 @@
 //! Pause and force limit: levels of the station's side that no client can lift, and levels of the student's own.
 #![allow(clippy::unwrap_used)]
 
-use crate::common::{Station, force_up, press, press_on, status_of};
+use crate::common::{Station, force_up, press, press_on, rows_and_events, status_of};
 use sulcus_connection::link::{Link, now_ns};
 use sulcus_proto::control::{ButtonEdge, Command};
 use sulcus_proto::status;
-use sulcus_sessions::{Message, Occurrence, Recording, ReplayOptions, Row, replay};
+use sulcus_sessions::{Occurrence, Recording, ReplayOptions, Row, replay};
 
 /// Limit of the station's side, newtons.
 const LIMIT: f32 = 0.3;
@@ -27,18 +27,6 @@ fn flood(link: &Link) -> u32 {
         device_time_ns: now_ns(),
     };
     (0..20).filter(|k| link.button(edge(*k))).count() as u32
-}
-
-fn rows_and_events(recording: &Recording) -> (Vec<Row>, Vec<Occurrence>) {
-    let (mut rows, mut events) = (Vec::new(), Vec::new());
-    for message in recording.messages() {
-        match message.unwrap() {
-            Message::Row(row) => rows.push(row),
-            Message::Event(event) => events.extend(Occurrence::parse(&event.text)),
-            _ => {}
-        }
-    }
-    (rows, events)
 }
 
 fn strongest(row: &Row) -> f32 {

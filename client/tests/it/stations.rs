@@ -3,14 +3,14 @@
 
 use std::time::{Duration, Instant};
 
-use crate::common::{Station, force_up, pose, press, press_on};
+use crate::common::{Station, force_up, pose, press, press_on, rows_and_events};
 use sulcus_connection::link::{Link, LinkConfig, LinkError, now_ns};
 use sulcus_proto::control::{Command, EndReason};
 use sulcus_proto::station::Phase;
 use sulcus_proto::{Role, status};
 use sulcus_server::net::tokens::Fixed;
 use sulcus_server::{Provoked, ServerConfig, StationConfig};
-use sulcus_sessions::{Ending, Message, Occurrence, Recording, ReplayOptions, Row, replay};
+use sulcus_sessions::{Ending, Occurrence, Recording, ReplayOptions, Row, replay};
 use sulcus_support::relay::Relay;
 
 /// Waits until a condition holds.
@@ -20,18 +20,6 @@ fn until(what: &str, mut holds: impl FnMut() -> bool) {
         assert!(Instant::now() < patience, "waited in vain for {what}");
         std::thread::sleep(Duration::from_millis(5));
     }
-}
-
-fn rows_and_events(recording: &Recording) -> (Vec<Row>, Vec<Occurrence>) {
-    let (mut rows, mut events) = (Vec::new(), Vec::new());
-    for message in recording.messages() {
-        match message.unwrap() {
-            Message::Row(row) => rows.push(row),
-            Message::Event(event) => events.extend(Occurrence::parse(&event.text)),
-            _ => {}
-        }
-    }
-    (rows, events)
 }
 
 fn kinds(events: &[Occurrence]) -> Vec<&str> {

@@ -34,7 +34,7 @@ impl SceneHash {
 
 impl std::fmt::Display for SceneHash {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(&crate::ticket::hex(&self.0))
+        f.write_str(&crate::hex::hex(&self.0))
     }
 }
 

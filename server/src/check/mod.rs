@@ -28,7 +28,7 @@ pub enum Level {
     Problem,
 }
 
-/// One result of the check.
+/// Result of the check for a part of the server.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Finding {
     /// Part of the server, such as `port`.

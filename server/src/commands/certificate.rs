@@ -6,7 +6,7 @@ use anyhow::Context;
 use clap::{Args, Subcommand};
 use serde_json::json;
 use sulcus_program::{PathText, say};
-use sulcus_proto::ticket::hex;
+use sulcus_proto::hex::hex;
 
 use super::StateArgs;
 use crate::state::ServerIdentity;

@@ -63,7 +63,7 @@ mod tests {
 
     #[test]
     fn the_fingerprint_is_sha_256() {
-        let of_nothing = sulcus_proto::ticket::hex(&fingerprint(b"").expect("digest"));
+        let of_nothing = sulcus_proto::hex::hex(&fingerprint(b"").expect("digest"));
         assert_eq!(
             of_nothing,
             "e3b0c44298fc1c149afbf4c8996fb92427ae41e4649b934ca495991b7852b855"

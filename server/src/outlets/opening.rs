@@ -49,8 +49,8 @@ pub(crate) struct Opening {
 /// Opens a recording under a new name and writes header, scene and first state.
 ///
 /// # Errors
-/// One sentence: the key is unusable, the folder is missing, the disk is full, or a thousand sessions began in this
-/// second.
+/// The key is unusable, the folder is missing, the disk is full, or a thousand sessions began in this second. The error
+/// is a sentence for the status.
 pub(crate) fn open(opening: Opening) -> Result<Open, String> {
     let plan = &opening.plan;
     let started = unix_ns();

@@ -10,7 +10,7 @@ use anyhow::{Context, bail};
 use serde_json::json;
 use sulcus_program::{PathText, ProgressLines, say, tell};
 use sulcus_proto::SessionSummary;
-use sulcus_proto::ticket::hex;
+use sulcus_proto::hex::hex;
 
 pub use args::ServeArgs;
 

@@ -123,6 +123,14 @@ impl StateFolder {
     }
 }
 
+/// A new state folder for a test, and the temporary folder that holds it.
+#[cfg(test)]
+pub(crate) fn fresh() -> (tempfile::TempDir, StateFolder) {
+    let place = tempfile::tempdir().expect("temporary folder");
+    let folder = StateFolder::open(Some(&place.path().join("state"))).expect("creates");
+    (place, folder)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

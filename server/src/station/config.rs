@@ -7,8 +7,8 @@ use std::time::Duration;
 
 use sulcus_core::{Scene, TickInput};
 use sulcus_display::Display;
+use sulcus_proto::hex::hex;
 use sulcus_proto::limits::NAME_BYTES;
-use sulcus_proto::ticket::hex;
 use sulcus_sessions::Mode;
 
 use crate::ServerError;

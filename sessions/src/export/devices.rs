@@ -1,11 +1,12 @@
 //! `devices.csv`: what the devices measured and displayed, a line for every sample.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use sulcus_core::Scene;
 
 use super::cells;
-use super::error::{ExportError, create};
+use super::error::ExportError;
+use super::table::Table;
 use crate::record::row::Row;
 
 /// Columns. Times count as in `ticks.csv`; forces and torques are those that the device displayed, world axes, about
@@ -27,25 +28,18 @@ const COLUMNS: [&str; 13] = [
 ];
 
 pub(super) struct DeviceTable {
-    path: PathBuf,
-    csv: csv::Writer<std::io::BufWriter<std::fs::File>>,
+    table: Table,
     names: Vec<String>,
     began_unix_ns: u64,
-    lines: u64,
 }
 
 impl DeviceTable {
     pub fn create(folder: &Path, scene: &Scene, began_unix_ns: u64) -> Result<Self, ExportError> {
-        let path = folder.join("devices.csv");
-        let mut csv = csv::Writer::from_writer(create(&path)?);
-        csv.write_record(COLUMNS)
-            .map_err(|source| ExportError::write(&path, source))?;
+        let table = Table::create(folder.join("devices.csv"), COLUMNS)?;
         Ok(Self {
-            path,
-            csv,
+            table,
             names: scene.tools.iter().map(|tool| tool.name.clone()).collect(),
             began_unix_ns,
-            lines: 0,
         })
     }
 
@@ -65,18 +59,13 @@ impl DeviceTable {
                 sample.age_us.to_string(),
             ];
             line.extend(sample.displayed.iter().map(f32::to_string));
-            self.csv
-                .write_record(&line)
-                .map_err(|source| ExportError::write(&self.path, source))?;
-            self.lines += 1;
+            self.table.line(&line)?;
         }
         Ok(())
     }
 
     /// Closes the table; number of lines.
-    pub fn finish(mut self) -> Result<u64, ExportError> {
-        let flushed = self.csv.flush();
-        flushed.map_err(|source| ExportError::write(&self.path, source))?;
-        Ok(self.lines)
+    pub fn finish(self) -> Result<u64, ExportError> {
+        self.table.finish()
     }
 }

@@ -1,9 +1,10 @@
 //! `events.csv`: the session's log.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use super::cells;
-use super::error::{ExportError, create};
+use super::error::ExportError;
+use super::table::Table;
 use crate::record::message::{Event, Level};
 use crate::record::occurrence::Occurrence;
 
@@ -19,23 +20,16 @@ const COLUMNS: [&str; 7] = [
 ];
 
 pub(super) struct EventTable {
-    path: PathBuf,
-    csv: csv::Writer<std::io::BufWriter<std::fs::File>>,
+    table: Table,
     began_unix_ns: u64,
-    lines: u64,
 }
 
 impl EventTable {
     pub fn create(folder: &Path, began_unix_ns: u64) -> Result<Self, ExportError> {
-        let path = folder.join("events.csv");
-        let mut csv = csv::Writer::from_writer(create(&path)?);
-        csv.write_record(COLUMNS)
-            .map_err(|source| ExportError::write(&path, source))?;
+        let table = Table::create(folder.join("events.csv"), COLUMNS)?;
         Ok(Self {
-            path,
-            csv,
+            table,
             began_unix_ns,
-            lines: 0,
         })
     }
 
@@ -65,24 +59,19 @@ impl EventTable {
         } else {
             text
         };
-        self.lines += 1;
-        self.csv
-            .write_record([
-                seconds.to_string(),
-                event.time_unix_ns.to_string(),
-                level.to_owned(),
-                cells::text(&kind).into_owned(),
-                tick,
-                data,
-                cells::text(&text).into_owned(),
-            ])
-            .map_err(|source| ExportError::write(&self.path, source))
+        self.table.line([
+            seconds.to_string(),
+            event.time_unix_ns.to_string(),
+            level.to_owned(),
+            cells::text(&kind).into_owned(),
+            tick,
+            data,
+            cells::text(&text).into_owned(),
+        ])
     }
 
     /// Closes the table; number of lines.
-    pub fn finish(mut self) -> Result<u64, ExportError> {
-        let flushed = self.csv.flush();
-        flushed.map_err(|source| ExportError::write(&self.path, source))?;
-        Ok(self.lines)
+    pub fn finish(self) -> Result<u64, ExportError> {
+        self.table.finish()
     }
 }

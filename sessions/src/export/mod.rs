@@ -8,6 +8,7 @@ mod events;
 mod mesh_file;
 mod meshes;
 mod options;
+mod table;
 mod ticks;
 
 use std::path::Path;

@@ -1,11 +1,12 @@
 //! `ticks.csv`: a line for every tick, or for every number of ticks.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use sulcus_core::{Pose, Scene, TickOutput, ToolOutput, Vec3};
 
 use super::cells;
-use super::error::{ExportError, create};
+use super::error::ExportError;
+use super::table::Table;
 use crate::record::channels::{is_held, paths};
 use crate::record::occurrence::zone_name;
 use crate::record::row::Row;
@@ -71,14 +72,12 @@ const TOOL: [&str; 42] = [
 ];
 
 pub(super) struct TickTable {
-    path: PathBuf,
-    csv: csv::Writer<std::io::BufWriter<std::fs::File>>,
+    table: Table,
     objects: Vec<String>,
     tips: Vec<Vec3>,
     began_unix_ns: u64,
     every: u64,
     ticks: u64,
-    lines: u64,
     line: csv::StringRecord,
 }
 
@@ -89,23 +88,19 @@ impl TickTable {
         began_unix_ns: u64,
         every: u64,
     ) -> Result<Self, ExportError> {
-        let path = folder.join("ticks.csv");
-        let mut csv = csv::Writer::from_writer(create(&path)?);
         let tools = paths(scene.tools.iter().map(|tool| tool.name.as_str()));
         let of_tools = tools
             .iter()
             .flat_map(|tool| TOOL.map(|column| format!("{tool}_{column}")));
-        csv.write_record(SESSION.map(str::to_owned).into_iter().chain(of_tools))
-            .map_err(|source| ExportError::write(&path, source))?;
+        let columns = SESSION.map(str::to_owned).into_iter().chain(of_tools);
+        let table = Table::create(folder.join("ticks.csv"), columns)?;
         Ok(Self {
-            path,
-            csv,
+            table,
             objects: scene.objects.iter().map(|of| of.name.clone()).collect(),
             tips: scene.tools.iter().map(|tool| tool.tip).collect(),
             began_unix_ns,
             every,
             ticks: 0,
-            lines: 0,
             line: csv::StringRecord::new(),
         })
     }
@@ -142,10 +137,9 @@ impl TickTable {
                 (3..TOOL.len()).for_each(|_| line.push_field(""));
             }
         }
-        let written = self.csv.write_record(&line);
+        let written = self.table.line(&line);
         self.line = line;
-        self.lines += 1;
-        written.map_err(|source| ExportError::write(&self.path, source))
+        written
     }
 
     fn tool(&self, line: &mut csv::StringRecord, out: &ToolOutput, tip: &Vec3) {
@@ -188,9 +182,7 @@ impl TickTable {
     }
 
     /// Closes the table; number of lines.
-    pub fn finish(mut self) -> Result<u64, ExportError> {
-        let flushed = self.csv.flush();
-        flushed.map_err(|source| ExportError::write(&self.path, source))?;
-        Ok(self.lines)
+    pub fn finish(self) -> Result<u64, ExportError> {
+        self.table.finish()
     }
 }

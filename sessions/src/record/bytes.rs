@@ -1,5 +1,7 @@
 //! Bounded little-endian reading. A read beyond the end gives `None` and never panics.
 
+pub(crate) use sulcus_proto::hex::{from_hex32, hex};
+
 /// Rest of some bytes that are read from the front.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Cut<'a>(pub &'a [u8]);
@@ -46,44 +48,9 @@ impl<'a> Cut<'a> {
     }
 }
 
-/// Lower-case hexadecimal.
-pub(crate) fn hex(bytes: &[u8]) -> String {
-    use std::fmt::Write as _;
-    bytes
-        .iter()
-        .fold(String::with_capacity(2 * bytes.len()), |mut text, byte| {
-            // Writing to a String cannot fail.
-            let _ = write!(text, "{byte:02x}");
-            text
-        })
-}
-
-/// Inverse of [`hex`] for 32 bytes; `None` unless the text is exactly 64 hexadecimal digits.
-pub(crate) fn from_hex32(text: &str) -> Option<[u8; 32]> {
-    let digits = text.as_bytes();
-    if digits.len() != 64 {
-        return None;
-    }
-    let mut out = [0; 32];
-    for (byte, pair) in out.iter_mut().zip(digits.chunks_exact(2)) {
-        let digit = |c: u8| char::from(c).to_digit(16);
-        *byte = u8::try_from(digit(pair[0])? * 16 + digit(pair[1])?).ok()?;
-    }
-    Some(out)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn hex_survives_a_round_trip_and_refuses_anything_else() {
-        let bytes: [u8; 32] = std::array::from_fn(|k| (k * 37) as u8);
-        assert_eq!(from_hex32(&hex(&bytes)), Some(bytes));
-        assert_eq!(from_hex32("00"), None);
-        assert_eq!(from_hex32(&"zz".repeat(32)), None);
-        assert_eq!(from_hex32(&"é".repeat(32)), None);
-    }
 
     #[test]
     fn reading_past_the_end_is_none() {

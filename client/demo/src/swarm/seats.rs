@@ -28,7 +28,7 @@ impl Seats {
         use std::sync::Arc;
 
         use sulcus_proto::Role;
-        use sulcus_proto::ticket::hex;
+        use sulcus_proto::hex::hex;
         use sulcus_server::net::tokens::Fixed;
         use sulcus_server::{Exercise, Server, ServerConfig, SessionPlan, StationConfig};
 

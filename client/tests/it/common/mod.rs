@@ -12,6 +12,7 @@ use sulcus_core::tissue::TissueModel;
 use sulcus_core::{DisplayMesh, Object, Params, Pose, Quat, Scene, Sphere, SphereTree, Tool, Vec3};
 use sulcus_proto::datagram::{ToolPose, WirePose};
 use sulcus_server::{Server, ServerConfig, ServerHandle, SessionPlan, StationConfig};
+use sulcus_sessions::{Message, Occurrence, Recording, Row};
 use tempfile::TempDir;
 
 /// Radius of every sphere, metres.
@@ -173,4 +174,17 @@ pub fn press_on(link: &mut Link, mut done: impl FnMut(&mut Link) -> bool) {
 pub fn status_of(link: &mut Link) -> u16 {
     link.latest_wrench()
         .map_or(0, |packet| packet.datagram.tools[0].status)
+}
+
+/// All rows and occurrences of a recording.
+pub fn rows_and_events(recording: &Recording) -> (Vec<Row>, Vec<Occurrence>) {
+    let (mut rows, mut events) = (Vec::new(), Vec::new());
+    for message in recording.messages() {
+        match message.unwrap() {
+            Message::Row(row) => rows.push(row),
+            Message::Event(event) => events.extend(Occurrence::parse(&event.text)),
+            _ => {}
+        }
+    }
+    (rows, events)
 }

@@ -40,9 +40,10 @@ pub(crate) struct Row {
     pub(crate) exhausted_ticks: u64,
     pub(crate) settling_ticks: u64,
     pub(crate) contact_ticks: u64,
-    /// What continuous collision costs: passes of a tick in contact (its motion is cut so that none goes past what the
-    /// pass looked at), both tools', mean and most.
+    /// Passes of the solver in a tick in contact, mean over the ticks and both tools: the cost of continuous collision.
+    /// The motion of a pass ends at the border of the region that the pass searched for contacts.
     pub(crate) passes_mean: f64,
+    /// Largest number of passes in a tick.
     pub(crate) passes_max: u32,
     /// `holds`, `broken`, or `shown` for what is not asked to hold.
     pub(crate) status: &'static str,

@@ -228,16 +228,11 @@ fn judge(token: &TokenRecord, now_s: u64) -> Result<Grant, Denied> {
 mod tests {
     use super::*;
     use crate::state::date::DAY_S;
+    use crate::state::folder::fresh as folder;
     use crate::state::tokens::record::NewToken;
 
     /// 2026-11-26.
     const NOW: u64 = 1_795_651_200;
-
-    fn folder() -> (tempfile::TempDir, StateFolder) {
-        let place = tempfile::tempdir().expect("temporary folder");
-        let folder = StateFolder::open(Some(&place.path().join("state"))).expect("creates");
-        (place, folder)
-    }
 
     fn student(station: &str, days: u64) -> NewToken {
         NewToken {

@@ -3,7 +3,7 @@
 use std::fmt;
 
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
-use sulcus_proto::ticket::{hex, parse_hex};
+use sulcus_proto::hex::{from_hex32, hex};
 use sulcus_proto::{Role, learner};
 
 use crate::plan::names::is_station_name;
@@ -70,7 +70,7 @@ impl Serialize for TokenHash {
 impl<'de> Deserialize<'de> for TokenHash {
     fn deserialize<D: Deserializer<'de>>(from: D) -> Result<Self, D::Error> {
         let digits = String::deserialize(from)?;
-        let bytes = parse_hex(&digits).ok_or_else(|| {
+        let bytes = from_hex32(&digits).ok_or_else(|| {
             // The digits found stay out of the message.
             serde::de::Error::custom("blake3 is no hash, expected 64 hexadecimal digits")
         })?;

@@ -1,7 +1,7 @@
 //! File of the tokens: added, listed and revoked by commands, under a lock.
 
 use serde::{Deserialize, Serialize};
-use sulcus_proto::ticket::hex;
+use sulcus_proto::hex::hex;
 
 use super::record::{NewToken, Secret, TokenRecord};
 use crate::state::date::DAY_S;
