@@ -140,9 +140,12 @@ impl Flags {
         flag.load(Ordering::Acquire)
     }
 
-    /// Panics if a test has asked for this fault.
+    /// Panics once if a test has asked for this fault. A connection that returns must find a sound session.
     pub fn provoke(&self, fault: Provoked) {
-        if self.provoked.load(Ordering::Relaxed) == fault as u8 {
+        let asked =
+            self.provoked
+                .compare_exchange(fault as u8, 0, Ordering::Relaxed, Ordering::Relaxed);
+        if asked.is_ok() {
             panic!("a fault that a test provokes: {fault:?}");
         }
     }
