@@ -68,42 +68,111 @@ pub fn run(
     done: &AtomicU64,
 ) -> LoopReport {
     punctual();
-    let mut report = LoopReport::default();
-    let (mut displayed, mut closed_for, mut was_open) = ([Wrench::ZERO; MAX_TOOLS], 0, false);
-    let hello = link.hello();
-    let period_ns = hello.tick_ns;
-    let limits = Limits {
-        force_n: f64::from(hello.max_force_n),
-        torque_nm: f64::from(hello.max_torque_nm),
-    };
-    let slew = SlewLimits {
-        force_n_per_ms: f64::from(hello.max_force_step_n),
-        torque_nm_per_ms: f64::from(hello.max_torque_step_nm),
-    };
-    let controller = PassivityParams {
-        period_s: period_ns as f64 / 1e9,
-        ..PassivityParams::default()
-    };
-    let mut displays = [0; MAX_TOOLS].map(|_| Display::new(controller, slew));
-    let mut grid_ns = now_ns() + period_ns;
-    let mut waited = 0;
-    loop {
-        report.interrupted |= interrupt::asked();
-        // The slew limit also applies at the end: the loop continues until the displayed wrench is zero.
-        let leaving = report.interrupted || report.periods >= periods || device.is_done();
-        if leaving && is_let_go(&displayed) {
-            break;
+    let mut device_loop = DeviceLoop::new(link, now_ns(), periods, disturb);
+    while device_loop.goes_on(device) {
+        sleep_until(device_loop.grid_ns);
+        device_loop.pass(link, device, now_ns());
+        done.store(device_loop.report.periods, Ordering::Relaxed);
+    }
+    device_loop.end()
+}
+
+/// State of a device's loop between two passes.
+pub struct DeviceLoop {
+    /// Time of the next pass, by [`now_ns`].
+    grid_ns: u64,
+    period_ns: u64,
+    /// Number of periods to perform.
+    periods: u64,
+    disturb: Option<Disturb>,
+    limits: Limits,
+    displays: [Display; MAX_TOOLS],
+    displayed: [Wrench; MAX_TOOLS],
+    /// Number of periods spent waiting for the first wrench.
+    waited: u64,
+    /// Number of periods since the gate closed.
+    closed_for: u64,
+    was_open: bool,
+    /// Whether the wrench falls to zero before the end.
+    leaving: bool,
+    over: bool,
+    report: LoopReport,
+}
+
+impl DeviceLoop {
+    /// Loop for a connected link. The first pass is due one period after `begin_ns`, a time by [`now_ns`].
+    pub fn new(link: &Link, begin_ns: u64, periods: u64, disturb: Option<Disturb>) -> Self {
+        let hello = link.hello();
+        let period_ns = hello.tick_ns;
+        let slew = SlewLimits {
+            force_n_per_ms: f64::from(hello.max_force_step_n),
+            torque_nm_per_ms: f64::from(hello.max_torque_step_nm),
+        };
+        let controller = PassivityParams {
+            period_s: period_ns as f64 / 1e9,
+            ..PassivityParams::default()
+        };
+        Self {
+            grid_ns: begin_ns + period_ns,
+            period_ns,
+            periods,
+            disturb,
+            limits: Limits {
+                force_n: f64::from(hello.max_force_n),
+                torque_nm: f64::from(hello.max_torque_nm),
+            },
+            displays: [0; MAX_TOOLS].map(|_| Display::new(controller, slew)),
+            displayed: [Wrench::ZERO; MAX_TOOLS],
+            waited: 0,
+            closed_for: 0,
+            was_open: false,
+            leaving: false,
+            over: false,
+            report: LoopReport::default(),
         }
-        sleep_until(grid_ns);
-        let now = now_ns();
-        let late = now.saturating_sub(grid_ns) / period_ns;
+    }
+
+    /// Time of the next pass, by [`now_ns`].
+    pub fn next_ns(&self) -> u64 {
+        self.grid_ns
+    }
+
+    /// Number of periods completed so far.
+    pub fn periods_done(&self) -> u64 {
+        self.report.periods
+    }
+
+    /// Whether the loop has a further pass. The slew limit also applies at the end: the loop continues until the
+    /// displayed wrench is zero.
+    pub fn goes_on(&mut self, device: &dyn EventDevice) -> bool {
+        self.report.interrupted |= interrupt::asked();
+        self.leaving =
+            self.report.interrupted || self.report.periods >= self.periods || device.is_done();
+        !self.over && !(self.leaving && is_let_go(&self.displayed))
+    }
+
+    /// Report of the ended loop.
+    pub fn end(self) -> LoopReport {
+        let mut report = self.report;
+        for energy in self.displays.map(|display| display.energy()) {
+            report.energy_out_j = report.energy_out_j.max(energy.most_out);
+            report.energy_taken_j += energy.taken;
+            report.damped_periods += energy.acted;
+        }
+        report
+    }
+
+    /// One pass at `now`, at or after [`DeviceLoop::next_ns`].
+    pub fn pass(&mut self, link: &mut Link, device: &mut dyn EventDevice, now: u64) {
+        let (leaving, period_ns) = (self.leaving, self.period_ns);
+        let late = now.saturating_sub(self.grid_ns) / period_ns;
         let gate = link.force_gate(now);
         let newest = link.latest_wrench();
-        if newest.is_none() && waited < START_NS / period_ns && link.is_open() {
+        self.grid_ns += (late + 1) * period_ns;
+        if newest.is_none() && self.waited < START_NS / period_ns && link.is_open() {
             // The server is still opening its recording: motion of the hands would be lost.
-            waited += 1 + late;
-            grid_ns += (late + 1) * period_ns;
-            continue;
+            self.waited += 1 + late;
+            return;
         }
         let felt: [Wrench; MAX_TOOLS] = std::array::from_fn(|t| {
             let wanted = newest.filter(|_| !leaving).map_or(Wrench::ZERO, |packet| {
@@ -112,12 +181,13 @@ pub fn run(
                     force: Vec3::from(force.map(f64::from)),
                     torque: Vec3::from(torque.map(f64::from)),
                 };
-                gated(&sent, gate, &limits)
+                gated(&sent, gate, &self.limits)
             });
             // No damping at the end: the wrench must reach zero.
-            displays[t].next(&wanted, if leaving { 0.0 } else { gate })
+            self.displays[t].next(&wanted, if leaving { 0.0 } else { gate })
         });
-        for (now, before) in felt.iter().zip(&displayed) {
+        let report = &mut self.report;
+        for (now, before) in felt.iter().zip(&self.displayed) {
             let force = norm(&now.force);
             report.max_displayed_n = report.max_displayed_n.max(force);
             report.max_displayed_step_n = report
@@ -128,7 +198,7 @@ pub fn run(
             .iter()
             .map(|wrench| norm(&wrench.force))
             .fold(0.0, f64::max);
-        displayed = felt;
+        self.displayed = felt;
         report.last_tick = newest.map_or(report.last_tick, |packet| packet.datagram.tick);
 
         // The newest picture stays on the screen while the force is gated.
@@ -146,11 +216,11 @@ pub fn run(
         let mut input = TickInput::IDLE;
         for _ in 0..=late {
             input.tools = device.exchange(&shown);
-            for (display, tool) in displays.iter_mut().zip(&input.tools) {
+            for (display, tool) in self.displays.iter_mut().zip(&input.tools) {
                 let hand = drawn(&tool.pose).filter(|_| tool.present);
                 display.moved(hand.as_ref(), 1);
             }
-            if let Some(disturb) = disturb {
+            if let Some(disturb) = self.disturb {
                 disturb(report.periods, &mut input);
             }
             report.periods += 1;
@@ -161,32 +231,28 @@ pub fn run(
             let _ = link.event(Event { tick, kind, json });
         }
         report.overslept += late;
-        grid_ns += (late + 1) * period_ns;
         link.send_pose(&packet(
             (report.periods, now, period_ns),
             &input.tools,
             &felt,
         ));
-        done.store(report.periods, Ordering::Relaxed);
 
-        report.gate_closings += u64::from(was_open && gate < 1.0);
-        was_open = gate >= 1.0;
+        report.gate_closings += u64::from(self.was_open && gate < 1.0);
+        self.was_open = gate >= 1.0;
         let silent = gate == 0.0 && !link.is_returning();
-        closed_for = if silent { closed_for + 1 + late } else { 0 };
+        self.closed_for = if silent {
+            self.closed_for + 1 + late
+        } else {
+            0
+        };
         // In a new session the gate is still rising: a closed link alone does not end the loop.
-        if closed_for >= GONE_NS / period_ns
-            || !link.is_open() && is_let_go(&displayed) && gate == 0.0
+        if self.closed_for >= GONE_NS / period_ns
+            || !link.is_open() && is_let_go(&self.displayed) && gate == 0.0
         {
             report.server_silent = true;
-            break;
+            self.over = true;
         }
     }
-    for energy in displays.map(|display| display.energy()) {
-        report.energy_out_j = report.energy_out_j.max(energy.most_out);
-        report.energy_taken_j += energy.taken;
-        report.damped_periods += energy.acted;
-    }
-    report
 }
 
 /// Whether all displayed wrenches are zero. A torque also holds a hand.
@@ -223,7 +289,7 @@ fn packet(
 
 /// Requests SCHED_FIFO, and sets exact timers in any case. Without SCHED_FIFO poses are late under load; the counters
 /// show the delay.
-fn punctual() {
+pub(crate) fn punctual() {
     exact_timers();
     if let Err(error) = fifo(PRIORITY) {
         tracing::debug!("no real-time scheduling for the device: {error}");

@@ -1,14 +1,16 @@
-//! A session on a link, from the start to the goodbye, with the device's loop on a thread of its own.
+//! Sessions on links, from the start to the goodbye.
 
 use std::sync::atomic::{AtomicU64, Ordering};
+use std::thread::JoinHandle;
 use std::time::Duration;
 
 use anyhow::bail;
+use sulcus_link::clock::sleep_until;
 use sulcus_proto::control::Goodbye;
 
 use crate::device::EventDevice;
-use crate::device_loop::{self, Disturb, LoopReport};
-use crate::link::{Link, LinkError, LinkStats};
+use crate::device_loop::{self, DeviceLoop, Disturb, LoopReport};
+use crate::link::{Link, LinkError, LinkStats, now_ns};
 use crate::progress::Steps;
 
 /// Result of a session on a link.
@@ -57,18 +59,79 @@ pub fn perform(
     Ok(performed)
 }
 
-/// Starts the session on `link` and runs `device` on the calling thread, without a progress bar. `done` receives the
-/// number of periods completed so far.
-pub fn carry(
+/// A started session of [`carry_all`].
+struct Carried<D> {
     link: Link,
-    device: &mut dyn EventDevice,
+    device: D,
+    device_loop: DeviceLoop,
+}
+
+/// Starts the sessions on all links and runs their devices on the calling thread, without a progress bar. `done`
+/// receives the smallest number of periods completed so far. The results have the order of the links.
+///
+/// # Errors
+/// The system has no thread for the end of a session, or that thread panics.
+pub fn carry_all<D: EventDevice>(
+    links: Vec<(Link, D)>,
     periods: u64,
-    disturb: Option<Disturb>,
     done: &AtomicU64,
-) -> Performed {
-    // A link that has ended holds its error, which the end of the run returns.
-    link.start();
-    run(link, device, periods, disturb, done)
+) -> anyhow::Result<Vec<Performed>> {
+    device_loop::punctual();
+    // One grid for all: the thread wakes once per period.
+    let begin_ns = now_ns();
+    let start = |(link, device): (Link, D)| {
+        // A link that has ended holds its error, which the end of the run returns.
+        link.start();
+        let device_loop = DeviceLoop::new(&link, begin_ns, periods, None);
+        Some(Carried {
+            link,
+            device,
+            device_loop,
+        })
+    };
+    let mut running: Vec<Option<Carried<D>>> = links.into_iter().map(start).collect();
+    let mut ending: Vec<Option<JoinHandle<Performed>>> = running.iter().map(|_| None).collect();
+    while let Some(next) = running
+        .iter()
+        .flatten()
+        .map(|c| c.device_loop.next_ns())
+        .min()
+    {
+        sleep_until(next);
+        for (place, ending) in running.iter_mut().zip(&mut ending) {
+            let Some(carried) = place else { continue };
+            if carried.device_loop.goes_on(&carried.device) {
+                let now = now_ns();
+                if carried.device_loop.next_ns() <= now {
+                    let (link, device) = (&mut carried.link, &mut carried.device);
+                    carried.device_loop.pass(link, device, now);
+                }
+            } else if let Some(Carried {
+                link, device_loop, ..
+            }) = place.take()
+            {
+                // The goodbye takes as long as the server needs to sign a recording.
+                let end = move || finish(link, device_loop.end());
+                *ending = Some(
+                    std::thread::Builder::new()
+                        .name("sulcus-end".into())
+                        .spawn(end)?,
+                );
+            }
+        }
+        let least = running
+            .iter()
+            .flatten()
+            .map(|c| c.device_loop.periods_done())
+            .min();
+        done.store(least.unwrap_or(periods), Ordering::Relaxed);
+    }
+    let joined = ending.into_iter().flatten().map(JoinHandle::join);
+    joined
+        .map(|performed| {
+            performed.map_err(|_| anyhow::anyhow!("the thread of a session's end panicked"))
+        })
+        .collect()
 }
 
 fn run(
@@ -79,6 +142,10 @@ fn run(
     done: &AtomicU64,
 ) -> Performed {
     let report = device_loop::run(&mut link, device, periods, disturb, done);
+    finish(link, report)
+}
+
+fn finish(link: Link, report: LoopReport) -> Performed {
     let stats = link.stats();
     // The stop is sent here and at once, because the server records until it arrives. A silent server sends no goodbye.
     // After a close by the server, the link already holds the goodbye.

@@ -1,6 +1,6 @@
 //! The link to a server: poses to the server and wrenches back, once per tick, and control messages.
 //!
-//! A thread of the link carries the packets. The device's thread only calls [`Link::send_pose`],
+//! A thread carries the packets of one link, or of several. The device's thread only calls [`Link::send_pose`],
 //! [`Link::latest_wrench`] and [`Link::force_gate`], none of which blocks, locks or allocates. The newest pose and the
 //! newest wrench win. When no wrench arrives, the gate ramps the force to zero.
 //!
@@ -14,6 +14,7 @@ mod config;
 pub(crate) mod control;
 mod error;
 pub(crate) mod handshake;
+mod network;
 pub(crate) mod reach;
 mod returning;
 mod stats;
@@ -23,7 +24,6 @@ mod worker;
 
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, RecvTimeoutError};
-use std::thread::JoinHandle;
 use std::time::Duration;
 
 use sulcus_proto::control::{ButtonEdge, Command, Event, Goodbye, ServerHello};
@@ -34,6 +34,7 @@ use triple_buffer::{Input, Output};
 
 pub use config::{LinkConfig, Pin};
 pub use error::LinkError;
+pub use network::Network;
 pub use stats::LinkStats;
 use sulcus_haptics::Watchdog;
 pub use sulcus_link::clock::monotonic_ns as now_ns;
@@ -73,7 +74,7 @@ impl WrenchPacket {
 }
 
 /// A connection to a server, held by the device's thread. A drop closes the connection without a stop, and blocks until
-/// the link's thread has ended.
+/// the link's task has ended.
 pub struct Link {
     hello: ServerHello,
     poses: Input<PosePacket>,
@@ -83,7 +84,9 @@ pub struct Link {
     messages: Option<Sender<ClientMessage>>,
     goodbye: Receiver<Result<Goodbye, LinkError>>,
     shared: Arc<Shared>,
-    thread: Option<JoinHandle<()>>,
+    /// Disconnected at the end of the link's task.
+    ended: Receiver<()>,
+    _network: Arc<Network>,
 }
 
 impl Link {
@@ -93,7 +96,15 @@ impl Link {
     /// # Errors
     /// No answer, another certificate or version, a refusal, an invalid hello, or a system without threads or sockets.
     pub fn connect(config: LinkConfig) -> Result<Link, LinkError> {
-        worker::spawn(config)
+        Self::connect_on(config, Arc::new(Network::start()?))
+    }
+
+    /// Connects like [`Link::connect`], on a thread that other links may share.
+    ///
+    /// # Errors
+    /// The errors of [`Link::connect`].
+    pub fn connect_on(config: LinkConfig, network: Arc<Network>) -> Result<Link, LinkError> {
+        worker::spawn(config, network)
     }
 
     /// Hello of the server: scene, tools, exercise, limits, tick.
@@ -189,7 +200,7 @@ impl Link {
             Ok(result) => result,
             Err(RecvTimeoutError::Timeout) => Err(LinkError::NoGoodbye),
             Err(RecvTimeoutError::Disconnected) => {
-                Err(LinkError::Lost("the link's thread has ended".into()))
+                Err(LinkError::Lost("the link's task has ended".into()))
             }
         }
     }
@@ -206,8 +217,6 @@ impl Drop for Link {
     fn drop(&mut self) {
         // Without a sender the worker closes the connection and ends.
         self.messages = None;
-        if let Some(thread) = self.thread.take() {
-            let _ = thread.join();
-        }
+        let _ = self.ended.recv();
     }
 }

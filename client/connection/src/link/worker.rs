@@ -1,4 +1,4 @@
-//! The link's thread: one current-thread runtime with one connection.
+//! The link's task: one connection.
 
 use std::sync::Arc;
 use std::sync::mpsc::{SyncSender, sync_channel};
@@ -7,7 +7,6 @@ use std::time::Duration;
 use quinn::{Connection, Endpoint, RecvStream, SendStream};
 use sulcus_link::Bell;
 use sulcus_link::control::ReadError;
-use sulcus_link::schedule::fifo;
 use sulcus_program::tell;
 use sulcus_proto::control::Goodbye;
 use sulcus_proto::datagram::Echo;
@@ -17,19 +16,18 @@ use tokio::sync::mpsc::{Receiver, channel};
 use triple_buffer::{Input, Output, triple_buffer};
 
 use super::handshake::{Welcome, shake};
+use super::network::Network;
 use super::returning::Returning;
 use super::stats::Shared;
 use super::{Link, LinkConfig, LinkError, PosePacket, Watchdog, WrenchPacket, control, now_ns};
 
-/// SCHED_FIFO priority of the link's thread, above that of the device's: a packet takes some microseconds.
-const PRIORITY: i32 = 46;
 /// Largest number of messages that wait to be written.
 const MESSAGES: usize = 64;
 /// Timeout for the last packets after the close.
 const LAST_PACKETS: Duration = Duration::from_millis(500);
 
-/// Starts the link's thread and waits for the result of the handshake.
-pub(super) fn spawn(config: LinkConfig) -> Result<Link, LinkError> {
+/// Starts a link on `network` and waits for the result of the handshake.
+pub(super) fn spawn(config: LinkConfig, network: Arc<Network>) -> Result<Link, LinkError> {
     let shared = Arc::new(Shared::new());
     let bell = Bell::new()?;
     let (poses, poses_out) = triple_buffer(&PosePacket::default());
@@ -37,49 +35,42 @@ pub(super) fn spawn(config: LinkConfig) -> Result<Link, LinkError> {
     let (messages, messages_out) = channel(MESSAGES);
     let (answer_in, answer) = sync_channel(1);
     let (goodbye_in, goodbye) = sync_channel(1);
-    let runtime = tokio::runtime::Builder::new_current_thread()
-        .enable_all()
-        .build()?;
+    let (ended_in, ended) = sync_channel::<()>(1);
     let (worker_shared, worker_bell) = (shared.clone(), bell.clone());
-    let thread = std::thread::Builder::new()
-        .name("sulcus-link".into())
-        .spawn(move || {
-            if let Err(error) = fifo(PRIORITY) {
-                tracing::debug!("no real-time scheduling for the link: {error}");
-            }
-            runtime.block_on(async {
-                let welcome = match shake(&config).await {
-                    Ok(welcome) => welcome,
-                    // The starter of the thread waits for this message.
-                    Err(error) => return drop(answer_in.send(Err(error))),
-                };
-                let Welcome {
-                    endpoint,
-                    connection,
-                    send,
-                    recv,
-                    hello,
-                } = welcome;
-                let worker = Worker {
-                    returning: Returning::new(config, &hello),
-                    epoch: hello.epoch,
-                    endpoint,
-                    connection,
-                    send,
-                    poses: poses_out,
-                    wrenches: wrenches_in,
-                    bell: worker_bell,
-                    shared: worker_shared,
-                    sequence: 0,
-                    answered: [None; TOOLS],
-                };
-                if answer_in.send(Ok(hello)).is_ok() {
-                    worker.run(recv, messages_out, goodbye_in).await;
-                }
-            });
-        })?;
-    let ended = || LinkError::System("the link's thread ended unexpectedly".into());
-    let hello = answer.recv().map_err(|_| ended())??;
+    network.spawn(async move {
+        // Dropped at the end of the task, also after a panic: the drop of the link waits for this end.
+        let _ended = ended_in;
+        let welcome = match shake(&config).await {
+            Ok(welcome) => welcome,
+            // The starter of the task waits for this message.
+            Err(error) => return drop(answer_in.send(Err(error))),
+        };
+        let Welcome {
+            endpoint,
+            connection,
+            send,
+            recv,
+            hello,
+        } = welcome;
+        let worker = Worker {
+            returning: Returning::new(config, &hello),
+            epoch: hello.epoch,
+            endpoint,
+            connection,
+            send,
+            poses: poses_out,
+            wrenches: wrenches_in,
+            bell: worker_bell,
+            shared: worker_shared,
+            sequence: 0,
+            answered: [None; TOOLS],
+        };
+        if answer_in.send(Ok(hello)).is_ok() {
+            worker.run(recv, messages_out, goodbye_in).await;
+        }
+    });
+    let lost = || LinkError::System("the link's task ended unexpectedly".into());
+    let hello = answer.recv().map_err(|_| lost())??;
     Ok(Link {
         hello,
         poses,
@@ -89,7 +80,8 @@ pub(super) fn spawn(config: LinkConfig) -> Result<Link, LinkError> {
         messages: Some(messages),
         goodbye,
         shared,
-        thread: Some(thread),
+        ended,
+        _network: network,
     })
 }
 

@@ -6,13 +6,14 @@ mod table;
 pub mod usage;
 
 use std::path::Path;
-use std::sync::atomic::AtomicU64;
-use std::thread::JoinHandle;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::time::Duration;
 
 use anyhow::{Context, bail};
 use serde::Serialize;
-use sulcus_connection::link::{Link, LinkConfig, LinkStats};
-use sulcus_connection::perform::{Performed, carry};
+use sulcus_connection::link::{Link, LinkConfig, LinkStats, Network};
+use sulcus_connection::perform::{Performed, carry_all};
 use sulcus_connection::progress::{Bar, Steps};
 use sulcus_program::{say, tell};
 use sulcus_proto::control::EndReason;
@@ -181,17 +182,20 @@ fn one(args: &SwarmArgs, stations: usize, steps: &Steps) -> anyhow::Result<Swarm
 }
 
 /// Performs one session at each seat, at the same time. Returns the sessions and the sentences of refused seats.
+///
+/// One thread moves all hands and one thread carries all their packets: the hands share the machine with an embedded
+/// server, and threads of their own would cost it a core at 16 stations.
 fn perform_all(
     hands: Vec<Prepared>,
     seats: &[LinkConfig],
     bar: &Bar,
 ) -> anyhow::Result<(Vec<Performed>, Vec<String>)> {
     let periods = hands.first().map_or(1, |hand| hand.ticks).max(1);
-    let done = std::sync::Arc::new(AtomicU64::new(0));
+    let network = Arc::new(Network::start()?);
     let mut refused = Vec::new();
-    let mut threads: Vec<JoinHandle<Performed>> = Vec::new();
+    let mut links: Vec<(Link, Simulated)> = Vec::new();
     for (hand, config) in hands.into_iter().zip(seats) {
-        let link = match Link::connect(config.clone()) {
+        let link = match Link::connect_on(config.clone(), network.clone()) {
             Ok(link) => link,
             Err(error) => {
                 tell!("station refused: {error}");
@@ -206,28 +210,27 @@ fn perform_all(
                 link.hello().scene
             );
         }
-        let done = done.clone();
+        let device = Simulated {
+            operator: hand.operator,
+            until_done: false,
+        };
+        links.push((link, device));
+    }
+    let done = AtomicU64::new(0);
+    let performed = std::thread::scope(|scope| {
         let thread = std::thread::Builder::new()
             .name("sulcus-device".into())
-            .spawn(move || {
-                let mut device = Simulated {
-                    operator: hand.operator,
-                    until_done: false,
-                };
-                carry(link, &mut device, hand.ticks, None, &done)
-            })?;
-        threads.push(thread);
-    }
-    while threads.iter().any(|thread| !thread.is_finished()) {
-        let share = done.load(std::sync::atomic::Ordering::Relaxed) as f64 / periods as f64;
-        bar.set("performing", share.min(1.0));
-        std::thread::sleep(std::time::Duration::from_millis(100));
-    }
-    let mut performed = Vec::new();
-    for thread in threads {
-        let ended = thread.join().ok();
-        performed.push(ended.context("the thread of a simulated hand ended unexpectedly")?);
-    }
+            .spawn_scoped(scope, || carry_all(links, periods, &done))?;
+        while !thread.is_finished() {
+            let share = done.load(Ordering::Relaxed) as f64 / periods as f64;
+            bar.set("performing", share.min(1.0));
+            std::thread::sleep(Duration::from_millis(100));
+        }
+        thread
+            .join()
+            .ok()
+            .context("the thread of the simulated hands ended unexpectedly")?
+    })?;
     Ok((performed, refused))
 }
 
