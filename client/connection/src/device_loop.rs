@@ -67,7 +67,7 @@ pub fn run(
     disturb: Option<Disturb>,
     done: &AtomicU64,
 ) -> LoopReport {
-    punctual();
+    punctual(PRIORITY);
     let mut device_loop = DeviceLoop::new(link, now_ns(), periods, disturb);
     while device_loop.goes_on(device) {
         sleep_until(device_loop.grid_ns);
@@ -289,9 +289,9 @@ fn packet(
 
 /// Requests SCHED_FIFO, and sets exact timers in any case. Without SCHED_FIFO poses are late under load; the counters
 /// show the delay.
-pub(crate) fn punctual() {
+pub(crate) fn punctual(priority: i32) {
     exact_timers();
-    if let Err(error) = fifo(PRIORITY) {
+    if let Err(error) = fifo(priority) {
         tracing::debug!("no real-time scheduling for the device: {error}");
     }
 }

@@ -66,17 +66,18 @@ struct Carried<D> {
     device_loop: DeviceLoop,
 }
 
-/// Starts the sessions on all links and runs their devices on the calling thread, without a progress bar. `done`
-/// receives the smallest number of periods completed so far. The results have the order of the links.
+/// Starts the sessions on all links and runs their devices on the calling thread, without a progress bar. The thread
+/// gets a SCHED_FIFO priority. `done` receives the smallest number of periods completed so far. The results have the order of the links.
 ///
 /// # Errors
 /// The system has no thread for the end of a session, or that thread panics.
 pub fn carry_all<D: EventDevice>(
     links: Vec<(Link, D)>,
     periods: u64,
+    priority: i32,
     done: &AtomicU64,
 ) -> anyhow::Result<Vec<Performed>> {
-    device_loop::punctual();
+    device_loop::punctual(priority);
     // One grid for all: the thread wakes once per period.
     let begin_ns = now_ns();
     let start = |(link, device): (Link, D)| {

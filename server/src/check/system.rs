@@ -7,9 +7,7 @@ use sulcus_link::schedule::fifo;
 
 use super::Finding;
 use crate::net::addresses::resolve;
-
-/// Priority that the simulation threads request.
-const PRIORITY: i32 = 50;
+use crate::session::realtime::PRIORITY;
 
 /// Whether the address can be used and its port is free.
 pub(super) fn port(listen: &str) -> Finding {

@@ -3,6 +3,7 @@
 pub(crate) mod changes;
 pub mod detail;
 pub(crate) mod gaps;
+mod grid;
 pub(crate) mod handoff;
 pub(crate) mod inputs;
 pub(crate) mod levels;

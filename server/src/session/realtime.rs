@@ -4,8 +4,10 @@ use std::sync::Once;
 
 use sulcus_link::schedule::{exact_timers, fifo};
 
-/// Priority of the simulation thread among SCHED_FIFO ones.
-const PRIORITY: i32 = 50;
+/// SCHED_FIFO priority of the simulation threads and of the network thread: threads of one priority wait in one queue.
+/// Above the simulations every wrench would interrupt another station's tick; below them full cores would let go every
+/// hand.
+pub(crate) const PRIORITY: i32 = 50;
 
 /// Requests SCHED_FIFO, exact timers and locked memory for the calling thread. The lock covers the memory mapped so
 /// far.

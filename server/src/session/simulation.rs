@@ -21,6 +21,7 @@ use triple_buffer::{Input, Output};
 use crate::capacity::pin_to;
 use crate::outlets::recording::{Entry, Ticked};
 use crate::session::detail::{Chooser, Detail};
+use crate::session::grid::Grid;
 use crate::session::handoff::{Flags, PoseIn, Pressed, Progress, Provoked, WrenchOut};
 use crate::session::inputs::Inputs;
 use crate::session::levels::{InForce, Levels};
@@ -99,37 +100,11 @@ impl Simulation {
         } else {
             sulcus_link::schedule::exact_timers();
         }
-        ticker.grid.begin(monotonic_ns());
+        ticker.grid.begin(monotonic_ns(), unix_ns());
         while !Flags::is_up(&flags.stop) {
             ticker.step();
         }
         ticker.metrics
-    }
-}
-
-/// Grid of the ticks' deadlines on the monotonic clock, nanoseconds.
-struct Grid {
-    begin_ns: u64,
-    next_ns: u64,
-    /// Time between two points.
-    tick_ns: u64,
-    /// Time since 1970 at `begin_ns`.
-    unix_at_begin: u64,
-}
-
-impl Grid {
-    fn begin(&mut self, now_ns: u64) {
-        *self = Grid {
-            begin_ns: now_ns,
-            next_ns: now_ns + self.tick_ns,
-            unix_at_begin: unix_ns(),
-            ..*self
-        };
-    }
-
-    /// Time since 1970 of a monotonic time, nanoseconds. A change of the system's clock in a session has no effect.
-    fn unix_ns(&self, now_ns: u64) -> u64 {
-        self.unix_at_begin + (now_ns - self.begin_ns)
     }
 }
 
@@ -159,12 +134,7 @@ impl Ticker {
             workspace: Workspace::new(&scene),
             inputs: Inputs::new(scene.tools.len(), scene.params.tick_ns()),
             chooser: Chooser::new(link.detail),
-            grid: Grid {
-                begin_ns: 0,
-                next_ns: 0,
-                tick_ns: scene.params.tick_ns(),
-                unix_at_begin: 0,
-            },
+            grid: Grid::new(scene.params.tick_ns()),
             next_snapshot: scene.params.ticks_in(SNAPSHOT_EVERY_S),
             commands: 0,
             free: [false; MAX_TOOLS],
@@ -177,12 +147,9 @@ impl Ticker {
 
     /// Sleeps to the next grid point, runs its tick, sends the wrench, then queues the records.
     fn step(&mut self) {
-        sleep_until(self.grid.next_ns);
+        sleep_until(self.grid.next_ns());
         let now_ns = monotonic_ns();
-        let tick_ns = self.grid.tick_ns;
-        let skipped = grid_points_missed(self.grid.next_ns, now_ns, tick_ns);
-        let point_ns = self.grid.next_ns + u64::from(skipped) * tick_ns;
-        self.grid.next_ns = point_ns + tick_ns;
+        let (point_ns, skipped) = self.grid.advance(now_ns);
 
         self.collect();
         self.inputs.detail = self.chooser.level();
@@ -226,7 +193,7 @@ impl Ticker {
         }
         self.chooser.took(cpu_ns);
         self.metrics.skipped += u64::from(skipped);
-        self.metrics.late += u64::from(wall_end > self.grid.next_ns);
+        self.metrics.late += u64::from(self.grid.ended(wall, wall_end));
         let times = TickTimes {
             wake_ns: now_ns.saturating_sub(point_ns),
             cpu_ns,
@@ -310,11 +277,6 @@ impl Ticker {
             std::mem::forget(entry);
         }
     }
-}
-
-/// Number of grid points after `grid_ns` up to `now_ns`, at most 65535. The next tick counts the remaining points.
-fn grid_points_missed(grid_ns: u64, now_ns: u64, tick_ns: u64) -> u16 {
-    u16::try_from(now_ns.saturating_sub(grid_ns) / tick_ns).unwrap_or(u16::MAX)
 }
 
 /// Wrench and graphic pose of a tick for the wire. Numbers are rounded from f64 to f32; the tick has applied the

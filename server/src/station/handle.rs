@@ -16,13 +16,10 @@ use crate::net::transport;
 use crate::net::{Net, Stage};
 use crate::session::handoff::Provoked;
 use crate::session::levels::Taken;
+use crate::session::realtime::PRIORITY;
 use crate::station::door::{Door, ToStation};
 use crate::station::shared::Shared;
 use crate::{ServerConfig, ServerError};
-
-/// SCHED_FIFO priority of the network thread, above that of the simulations. Packets take a few per cent of a core for
-/// each station. Behind simulations that fill all cores they would be late, and every hand would be let go.
-const PRIORITY: i32 = 51;
 
 /// Hash of the tick self-test, computed once in a process.
 static SELF_TEST: OnceLock<u64> = OnceLock::new();

@@ -25,6 +25,14 @@ impl Network {
     /// # Errors
     /// The system has no thread or no descriptor left.
     pub fn start() -> Result<Self, LinkError> {
+        Self::start_at(PRIORITY)
+    }
+
+    /// Starts the thread with a SCHED_FIFO priority, 1 to 99.
+    ///
+    /// # Errors
+    /// The system has no thread or no descriptor left.
+    pub fn start_at(priority: i32) -> Result<Self, LinkError> {
         let runtime = tokio::runtime::Builder::new_current_thread()
             .enable_all()
             .build()?;
@@ -33,7 +41,7 @@ impl Network {
         let thread = std::thread::Builder::new()
             .name("sulcus-link".into())
             .spawn(move || {
-                if let Err(error) = fifo(PRIORITY) {
+                if let Err(error) = fifo(priority) {
                     tracing::debug!("no real-time scheduling for the link: {error}");
                 }
                 // An error means that the sender was dropped.

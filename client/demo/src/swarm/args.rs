@@ -18,6 +18,9 @@ pub struct SwarmArgs {
     /// Exercise of every station: a name of `demo --list-exercises`, or an exercise file that ends in .toml
     #[arg(long, value_name = "NAME", default_value = "bimanual")]
     pub exercise: String,
+    /// Number of stations, the last ones, whose devices leap at random about a narrow pocket
+    #[arg(long, value_name = "N", default_value = "0", conflicts_with = "server")]
+    pub leaps: usize,
     /// Scene file of every station. Default: the scene of the exercise
     #[arg(long, value_name = "FILE")]
     pub scene: Option<PathBuf>,

@@ -1,6 +1,7 @@
 //! `sulcus-client swarm`: simulated hands on many stations at once, for the number of stations that a machine holds.
 
 pub mod args;
+mod player;
 mod seats;
 mod table;
 pub mod usage;
@@ -23,8 +24,13 @@ use sulcus_sessions::{Recording, ReplayOptions, replay};
 use crate::exercise::{Asked, Prepared, prepare};
 use crate::simulated::Simulated;
 use args::SwarmArgs;
+use player::{LEAPS, Leaps, Player};
 use seats::Seats;
 use usage::{Meter, Usage};
+
+/// SCHED_FIFO priority of the simulated hands and of their packets, that of an embedded server's threads: no thread of
+/// the machine interrupts another, and none starves.
+const PRIORITY: i32 = 50;
 
 /// Result of one run.
 #[derive(Clone, Debug, Serialize)]
@@ -115,19 +121,27 @@ pub fn run(args: &SwarmArgs) -> anyhow::Result<u8> {
     Ok(u8::from(!runs.iter().all(sound)))
 }
 
-/// Hands for `stations` stations, each with a seed of its own.
+/// Exercises and devices for `stations` stations, each with a seed of its own.
 fn hands(args: &SwarmArgs, stations: usize, steps: &Steps) -> anyhow::Result<Vec<Prepared>> {
     let mut hands: Vec<Prepared> = Vec::new();
+    let leaping = stations.saturating_sub(args.leaps);
     for k in 0..stations {
+        let leaps = k >= leaping;
+        let exercise = if leaps { LEAPS } else { &args.exercise };
         let asked = Asked {
-            scene: args.scene.as_deref(),
+            scene: args.scene.as_deref().filter(|_| !leaps),
             duration_s: Some(args.duration),
             hand_seed: k as u64 + 1,
-            ..Asked::of(&args.exercise)
+            ..Asked::of(exercise)
         };
         let mut prepared = prepare(&asked, steps)?;
-        if let Some(first) = hands.first() {
-            // One copy of the scene for all stations.
+        if leaps {
+            prepared.exercise.duration_s = args.duration;
+            prepared.ticks = (args.duration / prepared.scene.tick_s()) as u64;
+        }
+        let first = hands.get(if leaps { leaping } else { 0 });
+        if let Some(first) = first {
+            // One copy of the scene for all stations of an exercise.
             prepared.scene = first.scene.clone();
             prepared.scene_bytes = first.scene_bytes.clone();
         } else {
@@ -191,9 +205,9 @@ fn perform_all(
     bar: &Bar,
 ) -> anyhow::Result<(Vec<Performed>, Vec<String>)> {
     let periods = hands.first().map_or(1, |hand| hand.ticks).max(1);
-    let network = Arc::new(Network::start()?);
+    let network = Arc::new(Network::start_at(PRIORITY)?);
     let mut refused = Vec::new();
-    let mut links: Vec<(Link, Simulated)> = Vec::new();
+    let mut links: Vec<(Link, Player)> = Vec::new();
     for (hand, config) in hands.into_iter().zip(seats) {
         let link = match Link::connect_on(config.clone(), network.clone()) {
             Ok(link) => link,
@@ -210,9 +224,13 @@ fn perform_all(
                 link.hello().scene
             );
         }
-        let device = Simulated {
-            operator: hand.operator,
-            until_done: false,
+        let device = if hand.exercise.name == LEAPS {
+            Player::Leaps(Leaps::new(&hand.scene, links.len() as u64, periods))
+        } else {
+            Player::Hand(Box::new(Simulated {
+                operator: hand.operator,
+                until_done: false,
+            }))
         };
         links.push((link, device));
     }
@@ -220,7 +238,7 @@ fn perform_all(
     let performed = std::thread::scope(|scope| {
         let thread = std::thread::Builder::new()
             .name("sulcus-device".into())
-            .spawn_scoped(scope, || carry_all(links, periods, &done))?;
+            .spawn_scoped(scope, || carry_all(links, periods, PRIORITY, &done))?;
         while !thread.is_finished() {
             let share = done.load(Ordering::Relaxed) as f64 / periods as f64;
             bar.set("performing", share.min(1.0));

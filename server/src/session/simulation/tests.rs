@@ -13,18 +13,6 @@ use triple_buffer::triple_buffer;
 use super::*;
 
 #[test]
-fn a_missed_grid_point_is_skipped_not_caught_up() {
-    const TICK_NS: u64 = 250_000;
-    let grid = 50 * TICK_NS;
-    let missed = |now| grid_points_missed(grid, now, TICK_NS);
-    assert_eq!(missed(grid - 1), 0);
-    assert_eq!(missed(grid + TICK_NS - 1), 0);
-    assert_eq!(missed(grid + TICK_NS), 1);
-    assert_eq!(missed(grid + 7 * TICK_NS + 3), 7);
-    assert_eq!(missed(grid + 1_000_000 * TICK_NS), u16::MAX);
-}
-
-#[test]
 fn status_bits_are_the_same_in_core_and_on_the_wire() {
     use sulcus_core::output::status as core;
     use sulcus_proto::status as wire;

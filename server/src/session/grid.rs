@@ -1,0 +1,146 @@
+//! Grid of the ticks' deadlines on the monotonic clock, nanoseconds. The grid itself reads no clock.
+
+/// Number of crowded ticks in a row after which a point is left out.
+const CROWDED_IN_ROW: u32 = 2;
+
+/// Deadlines of a session's ticks. A missed point is skipped and counted; no tick runs to catch up.
+pub(super) struct Grid {
+    begin_ns: u64,
+    next_ns: u64,
+    /// Time between two points.
+    tick_ns: u64,
+    /// Time since 1970 at `begin_ns`.
+    unix_at_begin: u64,
+    /// Number of crowded ticks in a row.
+    crowded: u32,
+    /// Points left out, which the next tick counts as skipped.
+    left_out: u16,
+}
+
+impl Grid {
+    /// Grid with a period, before its begin.
+    pub fn new(tick_ns: u64) -> Self {
+        Self {
+            begin_ns: 0,
+            next_ns: 0,
+            tick_ns,
+            unix_at_begin: 0,
+            crowded: 0,
+            left_out: 0,
+        }
+    }
+
+    /// Begins the grid now: the first point is one period later. `unix_ns` is the time since 1970.
+    pub fn begin(&mut self, now_ns: u64, unix_ns: u64) {
+        *self = Self {
+            begin_ns: now_ns,
+            next_ns: now_ns + self.tick_ns,
+            unix_at_begin: unix_ns,
+            ..Self::new(self.tick_ns)
+        };
+    }
+
+    /// Time since 1970 of a monotonic time, nanoseconds. A change of the system's clock in a session has no effect.
+    pub fn unix_ns(&self, now_ns: u64) -> u64 {
+        self.unix_at_begin + (now_ns - self.begin_ns)
+    }
+
+    /// Point of the next tick.
+    pub fn next_ns(&self) -> u64 {
+        self.next_ns
+    }
+
+    /// Point of the tick that begins at `now_ns`, and the number of points skipped before it, at most 65535. The next
+    /// tick counts the remaining points.
+    pub fn advance(&mut self, now_ns: u64) -> (u64, u16) {
+        let missed = self.points_missed(now_ns);
+        let point_ns = self.next_ns + u64::from(missed) * self.tick_ns;
+        self.next_ns = point_ns + self.tick_ns;
+        let left_out = std::mem::take(&mut self.left_out);
+        (point_ns, missed.saturating_add(left_out))
+    }
+
+    /// Takes begin and end of the tick. Returns whether the tick was late: it ended after the next point.
+    ///
+    /// A tick is crowded if it was late, or if it began more than half a period after its point. After
+    /// [`CROWDED_IN_ROW`] crowded ticks one point is left out. A core with too many stations would otherwise never idle:
+    /// the recorders would starve, and the kernel's throttle would stop all real-time threads for 50 ms.
+    pub fn ended(&mut self, begin_ns: u64, end_ns: u64) -> bool {
+        let late = end_ns > self.next_ns;
+        let crowded = late || begin_ns + self.tick_ns / 2 > self.next_ns;
+        self.crowded = if crowded { self.crowded + 1 } else { 0 };
+        if self.crowded >= CROWDED_IN_ROW {
+            self.crowded = 0;
+            // Points up to the end of the tick are missed in any case.
+            self.left_out = self.points_missed(end_ns).saturating_add(1);
+            self.next_ns += u64::from(self.left_out) * self.tick_ns;
+        }
+        late
+    }
+
+    /// Number of points after the next one up to `now_ns`, at most 65535.
+    fn points_missed(&self, now_ns: u64) -> u16 {
+        u16::try_from(now_ns.saturating_sub(self.next_ns) / self.tick_ns).unwrap_or(u16::MAX)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const TICK_NS: u64 = 250_000;
+
+    fn grid() -> Grid {
+        let mut grid = Grid::new(TICK_NS);
+        grid.begin(0, 0);
+        grid
+    }
+
+    #[test]
+    fn a_missed_grid_point_is_skipped_not_caught_up() {
+        for (now, point, skipped) in [
+            (TICK_NS, 1, 0),
+            (2 * TICK_NS - 1, 1, 0),
+            (2 * TICK_NS, 2, 1),
+            (8 * TICK_NS + 3, 8, 7),
+            (1_000_000 * TICK_NS, 65_536, u16::MAX),
+        ] {
+            let mut grid = grid();
+            assert_eq!(grid.advance(now), (point * TICK_NS, skipped), "{now}");
+            assert_eq!(grid.next_ns(), (point + 1) * TICK_NS);
+        }
+    }
+
+    #[test]
+    fn a_late_tick_alone_leaves_nothing_out() {
+        let mut grid = grid();
+        for (begin, end, late) in [(100, 240, false), (100, 260, true), (110, 200, false)] {
+            let (point, skipped) = grid.advance(grid.next_ns() + 1);
+            assert_eq!(skipped, 0);
+            assert_eq!(
+                grid.ended(point + begin * 1000, point + end * 1000),
+                late,
+                "{end}"
+            );
+        }
+    }
+
+    /// On a core with more work than time every station must leave out points, so that other threads run.
+    #[test]
+    fn crowded_ticks_leave_points_out_and_the_next_tick_counts_them() {
+        for cost in [TICK_NS * 11 / 10, TICK_NS * 7 / 10] {
+            let (mut grid, mut now, mut ticks, mut points) = (grid(), 0, 0, 0);
+            while ticks < 1000 {
+                // Another thread keeps the core for six tenths of a period after each point.
+                now = now.max(grid.next_ns()) + TICK_NS * 6 / 10;
+                let (point, skipped) = grid.advance(now);
+                points += 1 + u64::from(skipped);
+                assert_eq!(point, points * TICK_NS, "every point is a tick or counted");
+                grid.ended(now, now + cost);
+                now += cost;
+                ticks += 1;
+            }
+            assert!(points - ticks >= ticks / 2, "{points} points");
+        }
+    }
+}
