@@ -26,8 +26,10 @@ use crate::session::handoff::{Flags, PoseIn, Pressed, Progress, Provoked, Wrench
 use crate::session::inputs::Inputs;
 use crate::session::levels::{InForce, Levels};
 use crate::session::metrics::{Metrics, TickTimes};
+use crate::session::precedence::Precedence;
 use crate::session::realtime;
 use sulcus_link::clock::{monotonic_ns, sleep_until, thread_cpu_ns, unix_ns};
+use sulcus_link::schedule::fifo;
 
 /// Interval between two looks at the clearance of the haptic tools, seconds.
 const CLEARANCE_S: f64 = 0.016;
@@ -117,6 +119,7 @@ struct Ticker {
     inputs: Inputs,
     chooser: Chooser,
     grid: Grid,
+    precedence: Precedence,
     next_snapshot: u64,
     /// Commands of the station's side that this tick obeys.
     commands: u64,
@@ -135,6 +138,7 @@ impl Ticker {
             inputs: Inputs::new(scene.tools.len(), scene.params.tick_ns()),
             chooser: Chooser::new(link.detail),
             grid: Grid::new(scene.params.tick_ns()),
+            precedence: Precedence::new(scene.params.tick_ns()),
             next_snapshot: scene.params.ticks_in(SNAPSHOT_EVERY_S),
             commands: 0,
             free: [false; MAX_TOOLS],
@@ -192,6 +196,12 @@ impl Ticker {
             self.look_for_clearance(&output);
         }
         self.chooser.took(cpu_ns);
+        if let Some(priority) = self.precedence.took(cpu_ns)
+            && self.link.real_time
+        {
+            // Without the right to a priority there is none to change.
+            let _ = fifo(priority);
+        }
         self.metrics.skipped += u64::from(skipped);
         self.metrics.late += u64::from(self.grid.ended(wall, wall_end));
         let times = TickTimes {
