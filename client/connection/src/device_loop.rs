@@ -148,7 +148,8 @@ impl DeviceLoop {
         self.report.interrupted |= interrupt::asked();
         self.leaving =
             self.report.interrupted || self.report.periods >= self.periods || device.is_done();
-        !self.over && !(self.leaving && is_let_go(&self.displayed))
+        let has_ended = self.leaving && is_let_go(&self.displayed);
+        !(self.over || has_ended)
     }
 
     /// Report of the ended loop.

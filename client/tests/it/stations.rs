@@ -4,11 +4,12 @@
 use std::time::{Duration, Instant};
 
 use crate::common::{Station, force_up, pose, press, press_on, rows_and_events};
-use sulcus_connection::link::{Link, LinkConfig, LinkError, now_ns};
+use sulcus_connection::link::{Link, LinkConfig, LinkError, Pin, now_ns};
 use sulcus_proto::control::{Command, EndReason};
 use sulcus_proto::station::Phase;
 use sulcus_proto::{Role, status};
 use sulcus_server::net::tokens::Fixed;
+use sulcus_server::state::{ServerIdentity, StateFolder};
 use sulcus_server::{Provoked, ServerConfig, StationConfig};
 use sulcus_sessions::{Ending, Occurrence, Recording, ReplayOptions, Row, replay};
 use sulcus_support::relay::Relay;
@@ -342,4 +343,39 @@ fn a_second_program_with_the_same_ticket_does_not_take_a_running_session_over() 
             .is_some_and(|w| w.datagram.tools[0].echo.valid)
     });
     assert!(successor.finish().unwrap().complete);
+}
+
+#[test]
+fn a_rotated_certificate_leaves_open_connections_and_refuses_tickets_of_the_former_one() {
+    let station = three();
+    let mut link = Link::connect(config_of(&station, "aa")).unwrap();
+    link.start();
+    press(&mut link, |link, _| force_up(link) > 0.4);
+    let folder = tempfile::tempdir().unwrap();
+    let state = StateFolder::open(Some(folder.path())).unwrap();
+    let rotated = ServerIdentity::load_or_create(&state, 1_800_000_000).unwrap();
+    let (certificate, key) = (rotated.certificate_der(), rotated.key());
+    station
+        .server()
+        .renew(certificate, key.secret_der())
+        .unwrap();
+    until("the new certificate", || {
+        matches!(
+            Link::connect(config_of(&station, "bb")),
+            Err(LinkError::WrongCertificate { .. })
+        )
+    });
+    let new = LinkConfig {
+        pin: Pin::Fingerprint(rotated.fingerprint()),
+        ..config_of(&station, "cc")
+    };
+    assert!(Link::connect(new).is_ok());
+    assert!(station.server().renew(certificate, b"no key").is_err());
+    // The session of the first connection goes on.
+    let before = link.latest_wrench().unwrap().datagram.tick;
+    press_on(&mut link, |link| {
+        link.latest_wrench().unwrap().datagram.tick > before + 200
+    });
+    assert_eq!(link.stats().returns, 0);
+    assert!(link.finish().unwrap().complete);
 }

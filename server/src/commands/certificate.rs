@@ -21,8 +21,8 @@ The certificate is made once, at the first start, and kept in the state folder. 
 
 /// Text after the options of `rotate`.
 const ROTATE: &str = "\
-A running server keeps its certificate until its next start. From then on clients refuse the old tickets. Tokens stay
-valid: in each ticket, replace the digits after the last dot by the new fingerprint, or make new tickets for a class with
+A running server presents the new certificate within a second. Open connections stay; from then on clients refuse the
+old tickets. Tokens stay valid: in each ticket, replace the digits after the last dot by the new fingerprint, or make new tickets for a class with
 `sulcus-server token add --class ROSTER.csv --renew --out FILE`.";
 
 /// Show or rotate the server's certificate
@@ -37,7 +37,7 @@ pub struct CertificateArgs {
 enum Action {
     /// Print fingerprint and dates; the certificate is made if there is none
     Show(ShowArgs),
-    /// Make a new certificate and key for the next start; all tickets then end in another fingerprint
+    /// Make a new certificate and key, also for a running server; all tickets then end in another fingerprint
     #[command(after_long_help = ROTATE)]
     Rotate(ShowArgs),
 }
@@ -93,7 +93,7 @@ pub fn run(args: &CertificateArgs) -> anyhow::Result<u8> {
         day(identity.expires_unix_s())
     );
     if rotates {
-        say!("The certificate takes effect at the next start of the server.");
+        say!("A running server presents the certificate within a second; open connections stay.");
         say!("All tickets change: replace the digits after the last dot by the new fingerprint.");
     }
     Ok(0)

@@ -23,6 +23,7 @@ use quinn::{Connection, Endpoint, EndpointConfig, TokioRuntime, VarInt};
 use sulcus_proto::SessionSummary;
 use sulcus_proto::control::EndReason;
 use sulcus_proto::limits::HELLO;
+use tokio::sync::mpsc::UnboundedReceiver;
 use tokio::task::JoinSet;
 
 use crate::ServerError;
@@ -77,6 +78,7 @@ const ERROR_CHARACTERS: usize = 256;
 pub(crate) async fn serve(
     socket: std::net::UdpSocket,
     quic: quinn::ServerConfig,
+    mut renewed: UnboundedReceiver<quinn::ServerConfig>,
     metrics: Option<std::net::TcpListener>,
     net: Arc<Net>,
     stations: Vec<(StationConfig, Door, Behind)>,
@@ -103,6 +105,7 @@ pub(crate) async fn serve(
         tokio::select! {
             _ = stage.changed() => {}
             Some(_) = connections.join_next() => {}
+            Some(quic) = renewed.recv() => endpoint.set_server_config(Some(quic)),
             incoming = endpoint.accept() => match incoming {
                 Some(incoming) => match answer(connections.len(), incoming.remote_address_validated()) {
                     Answer::Serve => {

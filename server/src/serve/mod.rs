@@ -1,6 +1,7 @@
 //! `sulcus-server serve`: runs stations until Ctrl-C.
 
 mod args;
+mod renewal;
 mod signals;
 
 use std::path::{Path, PathBuf};
@@ -13,6 +14,7 @@ use sulcus_proto::SessionSummary;
 use sulcus_proto::hex::hex;
 
 pub use args::ServeArgs;
+use renewal::Renewal;
 
 use crate::check::{CheckInput, check};
 use crate::net::addresses::{for_clients, resolve};
@@ -110,7 +112,8 @@ pub fn run(args: &ServeArgs) -> anyhow::Result<u8> {
     }
     let control = control_socket::serve(claimed, desk)?;
     announce(&server, &stations, args.json);
-    signals::wait_for_signal(&server)?;
+    let mut renewal = Renewal::new(state, &identity);
+    signals::wait_for_signal(&server, || renewal.look(&server))?;
     tell!("the server is ending; running sessions are closed and their recordings signed");
     drop(control);
     server.shutdown();

@@ -28,8 +28,8 @@ async fn hung_up(signal: &mut Option<Signal>) {
 }
 
 /// Returns on Ctrl-C, on SIGTERM, on SIGHUP unless it is ignored, or within 500 ms after the server has ended by
-/// itself.
-pub(super) fn wait_for_signal(server: &ServerHandle) -> anyhow::Result<()> {
+/// itself. Calls `look` every 500 ms until then.
+pub(super) fn wait_for_signal(server: &ServerHandle, mut look: impl FnMut()) -> anyhow::Result<()> {
     let runtime = tokio::runtime::Builder::new_current_thread()
         .enable_all()
         .build()?;
@@ -50,6 +50,7 @@ pub(super) fn wait_for_signal(server: &ServerHandle) -> anyhow::Result<()> {
                     if server.is_finished() {
                         return Ok(());
                     }
+                    look();
                 }
             }
         }

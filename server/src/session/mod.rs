@@ -8,7 +8,7 @@ pub(crate) mod handoff;
 pub(crate) mod inputs;
 pub(crate) mod levels;
 pub(crate) mod metrics;
-mod precedence;
+pub(crate) mod precedence;
 pub(crate) mod realtime;
 pub(crate) mod running;
 mod simulation;

@@ -23,6 +23,7 @@ use crate::session::handoff::{
 };
 use crate::session::levels::Levels;
 use crate::session::metrics::Metrics;
+use crate::session::precedence::Places;
 use crate::session::simulation::Simulation;
 
 /// Largest sum of a client's events in one session, bytes of kind and content. A client must not fill the disk.
@@ -165,6 +166,8 @@ pub(crate) struct Begin {
     pub levels: Levels,
     /// Whether to request real-time scheduling and locked memory.
     pub real_time: bool,
+    /// Places behind the other stations of the server.
+    pub places: Arc<Places>,
     /// Core of the simulation; `None`: any.
     pub core: Option<usize>,
 }
@@ -230,6 +233,7 @@ impl Running {
                 shapes: shapes_out,
                 detail: plan.detail,
                 real_time: begin.real_time,
+                places: begin.places,
                 core: begin.core,
             };
             // After an error the recorder's channel is closed: the recorder ends, and the file has no end record.

@@ -26,7 +26,7 @@ use crate::session::handoff::{Flags, PoseIn, Pressed, Progress, Provoked, Wrench
 use crate::session::inputs::Inputs;
 use crate::session::levels::{InForce, Levels};
 use crate::session::metrics::{Metrics, TickTimes};
-use crate::session::precedence::Precedence;
+use crate::session::precedence::{Places, Precedence};
 use crate::session::realtime;
 use sulcus_link::clock::{monotonic_ns, sleep_until, thread_cpu_ns, unix_ns};
 use sulcus_link::schedule::fifo;
@@ -62,6 +62,8 @@ pub(crate) struct Simulation {
     pub detail: Detail,
     /// Whether to request real-time scheduling and locked memory.
     pub real_time: bool,
+    /// Places behind the other stations of the server.
+    pub places: Arc<Places>,
     /// Core on which the thread runs; `None`: any.
     pub core: Option<usize>,
 }
@@ -138,7 +140,7 @@ impl Ticker {
             inputs: Inputs::new(scene.tools.len(), scene.params.tick_ns()),
             chooser: Chooser::new(link.detail),
             grid: Grid::new(scene.params.tick_ns()),
-            precedence: Precedence::new(scene.params.tick_ns()),
+            precedence: Precedence::new(scene.params.tick_ns(), link.places.clone()),
             next_snapshot: scene.params.ticks_in(SNAPSHOT_EVERY_S),
             commands: 0,
             free: [false; MAX_TOOLS],

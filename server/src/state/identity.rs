@@ -91,7 +91,7 @@ impl ServerIdentity {
             .map_err(|why| StateError::content(&path, why))
     }
 
-    /// Replaces the identity by a new one. A running server keeps its certificate until its next start.
+    /// Replaces the identity by a new one. `serve` presents the new certificate within a second.
     ///
     /// # Errors
     /// The file cannot be written; the former identity stays.

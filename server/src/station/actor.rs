@@ -372,6 +372,7 @@ impl Station {
             epoch,
             levels: self.levels.clone(),
             real_time: self.shared.config.real_time,
+            places: self.shared.places.clone(),
             core: self.core,
         };
         // The start of a recording writes the whole scene. The thread of the packets must not wait for it.

@@ -8,6 +8,7 @@ use sulcus_link::schedule::fifo;
 use sulcus_proto::control::Command;
 use sulcus_proto::station::StationStatus;
 use sulcus_proto::{SessionSummary, Ticket};
+use tokio::sync::mpsc::{UnboundedSender, unbounded_channel};
 use tokio::sync::watch;
 
 use crate::net;
@@ -37,6 +38,7 @@ pub struct ServerHandle {
     ticket: Ticket,
     doors: Vec<Door>,
     stage: watch::Sender<Stage>,
+    renewals: UnboundedSender<quinn::ServerConfig>,
     thread: Option<JoinHandle<Result<Vec<SessionSummary>, ServerError>>>,
 }
 
@@ -73,6 +75,7 @@ impl Server {
         };
         let real_time = config.real_time;
         let (stage, stage_out) = watch::channel(Stage::Serve);
+        let (renewals, renewed) = unbounded_channel();
         let mut stations = Vec::new();
         for station in &config.stations {
             let (door, behind) = Door::new(&station.name);
@@ -97,7 +100,8 @@ impl Server {
                 if real_time && let Err(error) = fifo(PRIORITY) {
                     tracing::debug!("no real-time scheduling for the network: {error}");
                 }
-                let served = runtime.block_on(net::serve(socket, quic, metrics, net, stations));
+                let served =
+                    runtime.block_on(net::serve(socket, quic, renewed, metrics, net, stations));
                 // Sessions have ended; a blocked call of the system does not delay the end.
                 runtime.shutdown_background();
                 served
@@ -108,6 +112,7 @@ impl Server {
             ticket,
             doors,
             stage,
+            renewals,
             thread: Some(thread),
         })
     }
@@ -168,6 +173,18 @@ impl ServerHandle {
     pub fn provoke(&self, station: &str, fault: Provoked) -> bool {
         let door = self.doors.iter().find(|door| *door.name == *station);
         door.is_some_and(|door| door.try_tell(ToStation::Provoke(fault)))
+    }
+
+    /// Presents another certificate (DER, with its private key in PKCS#8) to all connections from now on. Open connections
+    /// stay, and [`ServerHandle::ticket`] keeps the first one.
+    ///
+    /// # Errors
+    /// Certificate and key do not fit each other, or are not valid.
+    pub fn renew(&self, certificate_der: &[u8], key_der: &[u8]) -> Result<(), ServerError> {
+        let quic = transport::server_config(&Identity::from_der(certificate_der, key_der))?;
+        // An error means that the server has ended.
+        let _ = self.renewals.send(quic);
+        Ok(())
     }
 
     /// Begins the end: running sessions end with goodbyes, and new clients are not accepted. Returns at once.

@@ -1,7 +1,7 @@
 //! Data that all stations and connections of a server share.
 
 use std::sync::atomic::{AtomicU64, Ordering};
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 use sulcus_proto::SessionSummary;
@@ -10,6 +10,7 @@ use tokio::sync::watch;
 use crate::ServerConfig;
 use crate::capacity::{Capacity, Cost, Load, Machine, Model};
 use crate::net::Stage;
+use crate::session::precedence::Places;
 use crate::state::{Denied, Grant, Place};
 
 /// Interval between two queries of the free space on the disk.
@@ -28,6 +29,8 @@ pub(crate) struct Shared {
     first: (blake3::Hash, Grant),
     /// Sessions on the cores of this machine.
     capacity: Mutex<Capacity>,
+    /// Places of stations with long ticks behind the others.
+    pub places: Arc<Places>,
     disk_free_mib: AtomicU64,
     disk_asked: Mutex<Option<Instant>>,
 }
@@ -45,6 +48,7 @@ impl Shared {
         };
         Self {
             first: (blake3::hash(config.token.as_bytes()), first),
+            places: Arc::new(Places::of(config.stations.len())),
             config,
             stage,
             summaries: Mutex::default(),

@@ -36,7 +36,7 @@ pub struct SwarmArgs {
     /// Replay every recording, and count those that are not identical
     #[arg(long, conflicts_with = "server")]
     pub replay: bool,
-    /// Write the table of the runs into a document, between its markers `begin: swarm` and `end: swarm`
+    /// Write the table of the runs into a document, between its markers `<!-- begin: swarm NAME -->` and `<!-- end: swarm NAME -->`, with the name of the exercise
     #[arg(long, value_name = "FILE", conflicts_with = "server")]
     pub readme: Option<PathBuf>,
     /// Print one JSON object as the last line of standard output: that of the last run

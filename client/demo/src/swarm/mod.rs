@@ -45,6 +45,9 @@ pub struct Swarm {
     pub cpu_percent: f64,
     /// Processor time of the server's threads, per cent of one core; 0 for a server in another process.
     pub server_cpu_percent: f64,
+    /// Time for which simulation threads were ready and did not run, per cent of the wall time of one thread, summed.
+    /// The time holds waits for other real-time threads and all throttles of the kernel.
+    pub waited_percent: f64,
     /// Largest resident memory of server and simulated hands, mebibytes.
     pub memory_mb: f64,
     /// Number of recordings whose replay is not identical; `None` without replays.
@@ -167,6 +170,7 @@ fn one(args: &SwarmArgs, stations: usize, steps: &Steps) -> anyhow::Result<Swarm
     let Usage {
         cpu_percent,
         server_percent,
+        waited_percent,
         memory_mb,
     } = meter.stop();
     seats.end()?;
@@ -176,6 +180,7 @@ fn one(args: &SwarmArgs, stations: usize, steps: &Steps) -> anyhow::Result<Swarm
         refused,
         cpu_percent,
         server_cpu_percent: server_percent,
+        waited_percent,
         memory_mb,
         not_identical: None,
     };

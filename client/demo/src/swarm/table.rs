@@ -9,9 +9,10 @@ use sulcus_proto::Percentiles;
 
 use super::{Session, Swarm};
 
-/// Markers of the generated lines in a document.
-const BEGIN: &str = "<!-- begin: swarm -->";
-const END: &str = "<!-- end: swarm -->";
+/// Markers of the generated lines of an exercise in a document.
+fn markers(exercise: &str) -> [String; 2] {
+    ["begin", "end"].map(|edge| format!("<!-- {edge}: swarm {exercise} -->"))
+}
 
 /// Lines for a person: a table of the sessions, then the sums.
 pub(super) fn lines(swarm: &Swarm) -> String {
@@ -45,11 +46,12 @@ pub(super) fn lines(swarm: &Swarm) -> String {
     }
     let _ = write!(
         text,
-        "{} of {} stations; CPU {:.0} % of a core, of it the server {:.0} %; memory {:.0} MB; times in microseconds",
+        "{} of {} stations; CPU {:.0} % of a core, of it the server {:.0} %; simulations waited {:.0} % of a second each second; memory {:.0} MB; times in microseconds",
         swarm.sessions.len(),
         swarm.stations,
         swarm.cpu_percent,
         swarm.server_cpu_percent,
+        swarm.waited_percent,
         swarm.memory_mb
     );
     if let Some(different) = swarm.not_identical {
@@ -68,9 +70,10 @@ fn markdown(exercise: &str, runs: &[Swarm]) -> String {
     let cores = std::thread::available_parallelism().map_or(0, usize::from);
     let mut text = format!(
         "Machine: {cores} logical cores, shared by server and simulated hands. Exercise `{exercise}`.\n\
-         Times are the largest of all stations, in microseconds.\n\n\
-         | stations | sessions complete | rows dropped | missed ticks, % | tick CPU p50 | tick CPU p99 | tick CPU p99.9 | tick wall p99 | round trip p50 | CPU, % of a core | server's CPU, % of a core | memory, MB |\n\
-         |---|---|---|---|---|---|---|---|---|---|---|---|\n"
+         Times are the largest of all stations, in microseconds. `waited` is the time for which the stations' simulations\n\
+         were ready and did not run, in per cent of one second each second: waits for other threads and throttles of the kernel.\n\n\
+         | stations | sessions complete | rows dropped | replays not identical | missed ticks, % | tick CPU p50 | tick CPU p99 | tick CPU p99.9 | tick wall p99 | longest tick | round trip p50 | waited, % | CPU, % of a core | server's CPU, % of a core | memory, MB |\n\
+         |---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|\n"
     );
     for run in runs {
         let all = &run.sessions;
@@ -80,14 +83,18 @@ fn markdown(exercise: &str, runs: &[Swarm]) -> String {
         let complete = all.iter().filter(|one| one.complete).count();
         let _ = writeln!(
             text,
-            "| {} | {complete} | {dropped} | {:.2} | {:.0} | {:.0} | {:.0} | {:.0} | {:.0} | {:.0} | {:.0} | {:.0} |",
+            "| {} | {complete} | {dropped} | {} | {:.2} | {:.0} | {:.0} | {:.0} | {:.0} | {:.0} | {:.0} | {:.0} | {:.0} | {:.0} | {:.0} |",
             run.stations,
+            run.not_identical
+                .map_or_else(|| "not tested".to_owned(), |n| n.to_string()),
             100.0 * missed as f64 / ticks.max(1) as f64,
             most(all, |one| one.tick_us.p50),
             most(all, |one| one.tick_us.p99),
             most(all, |one| one.tick_us.p999),
             most(all, |one| one.tick_wall_us.p99),
+            most(all, |one| one.tick_wall_us.max),
             most(all, |one| one.rtt_us.p50),
+            run.waited_percent,
             run.cpu_percent,
             run.server_cpu_percent,
             run.memory_mb
@@ -96,26 +103,27 @@ fn markdown(exercise: &str, runs: &[Swarm]) -> String {
     text
 }
 
-/// Replaces the lines between the markers of a document.
+/// Replaces the lines between the markers of the exercise in a document.
 ///
 /// # Errors
 /// The file cannot be read or written, or lacks a marker.
 pub(super) fn write(file: &Path, exercise: &str, runs: &[Swarm]) -> anyhow::Result<()> {
     let text = std::fs::read_to_string(file)
         .with_context(|| format!("--readme {}: cannot read", file.shown()))?;
-    let new = replaced(&text, &markdown(exercise, runs))
+    let new = replaced(&text, exercise, &markdown(exercise, runs))
         .with_context(|| format!("--readme {}", file.shown()))?;
     std::fs::write(file, new).with_context(|| format!("--readme {}: cannot write", file.shown()))
 }
 
-fn replaced(text: &str, table: &str) -> anyhow::Result<String> {
-    let Some((head, rest)) = text.split_once(BEGIN) else {
-        bail!("no line `{BEGIN}`")
+fn replaced(text: &str, exercise: &str, table: &str) -> anyhow::Result<String> {
+    let [begin, end] = markers(exercise);
+    let Some((head, rest)) = text.split_once(&begin) else {
+        bail!("no line `{begin}`")
     };
-    let Some((_, tail)) = rest.split_once(END) else {
-        bail!("no line `{END}` after `{BEGIN}`")
+    let Some((_, tail)) = rest.split_once(&end) else {
+        bail!("no line `{end}` after `{begin}`")
     };
-    Ok(format!("{head}{BEGIN}\n\n{table}\n{END}{tail}"))
+    Ok(format!("{head}{begin}\n\n{table}\n{end}{tail}"))
 }
 
 #[cfg(test)]
@@ -123,11 +131,16 @@ mod tests {
     use super::*;
 
     #[test]
-    fn only_the_lines_between_the_markers_change() {
-        let text = format!("a\n{BEGIN}\nold\n{END}\nb\n");
-        let new = replaced(&text, "| 1 |\n").expect("both markers");
-        assert_eq!(new, format!("a\n{BEGIN}\n\n| 1 |\n\n{END}\nb\n"));
-        assert!(replaced("a", "t").is_err());
-        assert!(replaced(&format!("{END}{BEGIN}"), "t").is_err());
+    fn only_the_lines_between_the_markers_of_the_exercise_change() {
+        let lines = |of: &str, content: &str| {
+            let [begin, end] = markers(of);
+            format!("a\n{begin}\n{content}\n{end}\n")
+        };
+        let text = lines("crown", "old") + &lines("probing", "old");
+        let new = replaced(&text, "probing", "| 1 |\n").expect("both markers");
+        assert_eq!(new, lines("crown", "old") + &lines("probing", "\n| 1 |\n"));
+        assert!(replaced("a", "crown", "t").is_err());
+        let [begin, end] = markers("crown");
+        assert!(replaced(&format!("{end}{begin}"), "crown", "t").is_err());
     }
 }

@@ -9,7 +9,9 @@ use std::time::{Duration, Instant};
 /// Interval between two readings. A thread that lives shorter may be missed.
 const EVERY: Duration = Duration::from_millis(250);
 /// Beginnings of the names of a server's threads.
-const SERVER: [&str; 4] = ["sulcus-sim", "sulcus-rec", "sulcus-net", "tokio-"];
+const SERVER: [&str; 4] = [SIMULATION, "sulcus-rec", "sulcus-net", "tokio-"];
+/// Name of a simulation thread.
+const SIMULATION: &str = "sulcus-sim";
 
 /// Use of the machine in a run.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -18,6 +20,9 @@ pub struct Usage {
     pub cpu_percent: f64,
     /// The same for the threads of the server alone.
     pub server_percent: f64,
+    /// Time for which simulation threads were ready and did not run, per cent of the wall time of one thread, summed.
+    /// The time holds waits for other real-time threads and all throttles of the kernel.
+    pub waited_percent: f64,
     /// Largest resident memory of the process, mebibytes.
     pub memory_mb: f64,
 }
@@ -52,13 +57,25 @@ impl Meter {
                     memory_mb: memory_mb(),
                     ..Usage::default()
                 };
-                for (id, (name, ticks)) in &newest {
-                    let earlier = before.get(id).map_or(0, |(_, ticks)| *ticks);
-                    let seconds = ticks.saturating_sub(earlier) as f64 / ticks_per_s();
-                    let percent = 100.0 * seconds / wall_s;
+                for (
+                    id,
+                    Reading {
+                        name,
+                        ticks,
+                        wait_ns,
+                    },
+                ) in &newest
+                {
+                    let earlier = before.get(id);
+                    let ticks = ticks - earlier.map_or(0, |earlier| earlier.ticks);
+                    let percent = 100.0 * ticks as f64 / ticks_per_s() / wall_s;
                     usage.cpu_percent += percent;
                     if SERVER.iter().any(|begin| name.starts_with(begin)) {
                         usage.server_percent += percent;
+                    }
+                    if name.starts_with(SIMULATION) {
+                        let wait_ns = wait_ns - earlier.map_or(0, |earlier| earlier.wait_ns);
+                        usage.waited_percent += 100.0 * wait_ns as f64 / 1e9 / wall_s;
                     }
                 }
                 usage
@@ -78,8 +95,18 @@ fn ticks_per_s() -> f64 {
     100.0
 }
 
-/// Name and processor time (1/100 s) of each thread of this process, by its number.
-fn times() -> BTreeMap<u32, (String, u64)> {
+/// Reading of one thread.
+#[derive(Clone, Debug, PartialEq)]
+struct Reading {
+    name: String,
+    /// Processor time, 1/100 s.
+    ticks: u64,
+    /// Time ready and not running; 0 if the kernel does not tell.
+    wait_ns: u64,
+}
+
+/// Readings of the threads of this process, by number.
+fn times() -> BTreeMap<u32, Reading> {
     let mut found = BTreeMap::new();
     for entry in std::fs::read_dir("/proc/self/task")
         .into_iter()
@@ -92,8 +119,17 @@ fn times() -> BTreeMap<u32, (String, u64)> {
         let Ok(stat) = std::fs::read_to_string(entry.path().join("stat")) else {
             continue;
         };
-        if let Some(read) = parse(&stat) {
-            found.insert(id, read);
+        if let Some((name, ticks)) = parse(&stat) {
+            let waits = std::fs::read_to_string(entry.path().join("schedstat"));
+            let wait_ns = waits
+                .ok()
+                .and_then(|text| text.split(' ').nth(1)?.parse().ok());
+            let reading = Reading {
+                name,
+                ticks,
+                wait_ns: wait_ns.unwrap_or(0),
+            };
+            found.insert(id, reading);
         }
     }
     found

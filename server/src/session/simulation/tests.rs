@@ -114,6 +114,7 @@ fn bench(rows: usize) -> Bench {
         shapes: shapes_out,
         detail: Detail::default(),
         real_time: false,
+        places: Arc::new(Places::of(1)),
         core: None,
     };
     let mut ticker = Ticker::new(simulation, Metrics::new());

@@ -1,0 +1,56 @@
+//! A rotated certificate reaches the running server.
+
+use crate::ServerHandle;
+use crate::state::{ServerIdentity, StateFolder};
+use sulcus_program::tell;
+use sulcus_proto::hex::hex;
+
+/// Follows the identity of the state folder.
+pub(super) struct Renewal {
+    folder: StateFolder,
+    /// Fingerprint of the certificate that the server presents.
+    fingerprint: [u8; 32],
+    /// Fault of the file that was told last; the former certificate stays in use.
+    fault: Option<String>,
+}
+
+impl Renewal {
+    /// Follows the folder of a server that presents `identity`.
+    pub fn new(folder: StateFolder, identity: &ServerIdentity) -> Self {
+        Self {
+            folder,
+            fingerprint: identity.fingerprint(),
+            fault: None,
+        }
+    }
+
+    /// Reads the file of the identity. A new certificate is used for all connections from now on; open connections stay.
+    pub fn look(&mut self, server: &ServerHandle) {
+        let fault = match self.take(server) {
+            Ok(()) => None,
+            Err(error) => Some(format!("{error:#}")),
+        };
+        if let Some(text) = &fault
+            && self.fault != fault
+        {
+            tell!("error: the certificate stays the same: {text}");
+        }
+        self.fault = fault;
+    }
+
+    fn take(&mut self, server: &ServerHandle) -> anyhow::Result<()> {
+        // No file: someone moves the folder. The identity in use is kept in memory.
+        let Some(found) = ServerIdentity::load(&self.folder)? else {
+            return Ok(());
+        };
+        if found.fingerprint() != self.fingerprint {
+            server.renew(found.certificate_der(), found.key().secret_der())?;
+            self.fingerprint = found.fingerprint();
+            tell!(
+                "new certificate {} (SHA-256): new connections need tickets that end in it",
+                hex(&self.fingerprint)
+            );
+        }
+        Ok(())
+    }
+}
