@@ -14,3 +14,4 @@ mod patient;
 mod protocol;
 mod roles;
 mod stations;
+mod swarm;
