@@ -2,7 +2,7 @@
 //!
 //! An IT person makes tokens from a roster and writes the file of the stations. Four students join. An instructor
 //! pauses a hand, writes a note and sends a message. A cable is pulled and put back. The server is killed and started
-//! again, and the students go on with their old tickets. At the end all recordings replay identically, and each
+//! again, and the students go on with their old tickets. The certificate is rotated. At the end all recordings replay identically, and each
 //! student has one grade, also from two recordings.
 //!
 //! Later parts of the system add their own acts here.
@@ -14,8 +14,9 @@ use std::time::{Duration, Instant};
 
 use serde_json::Value;
 use sulcus_connection::instructor::{Heard, Instructor};
-use sulcus_connection::link::LinkConfig;
+use sulcus_connection::link::{LinkConfig, LinkError, Pin};
 use sulcus_proto::control::Instruction;
+use sulcus_proto::hex::from_hex32;
 use sulcus_proto::station::{Phase, StationStatus};
 use sulcus_proto::{Role, Ticket};
 use sulcus_support::relay::Relay;
@@ -89,12 +90,22 @@ impl Class {
     }
 
     fn serve(&self) -> sulcus_tests::Serving {
-        let serve = ["--config", "stations.toml"];
+        let serve = [
+            "--config",
+            "stations.toml",
+            "--certificate-out",
+            "server.der",
+        ];
         self.place.serve_at(&self.address, &serve)
     }
 
-    /// A token of an instructor for all stations, and a connection with it.
+    /// A connection of the instructor.
     fn instructor(&self) -> Instructor {
+        Instructor::connect(self.instructors_link()).expect("the instructor joins")
+    }
+
+    /// Link with a token of an instructor for all stations.
+    fn instructors_link(&self) -> LinkConfig {
         let add = [
             "token",
             "add",
@@ -109,11 +120,10 @@ impl Class {
         let text = std::fs::read_to_string(self.place.path("instructor.txt")).expect("a ticket");
         let ticket: Ticket = text.trim().parse().expect("a ticket");
         let server = self.address.parse().expect("an address");
-        let config = LinkConfig {
+        LinkConfig {
             role: Role::Instructor,
             ..LinkConfig::new(server, &ticket, "")
-        };
-        Instructor::connect(config).expect("the instructor joins")
+        }
     }
 
     /// Starts the client of a station, over `address`.
@@ -258,6 +268,31 @@ fn a_class_hour() {
             "{ended:#?}"
         );
     }
+
+    act("the certificate is rotated: open connections stay, tickets of the former one are refused");
+    let rotate = ["certificate", "rotate", "--out", "new.der", "--json"];
+    let rotated = class.place.run(Program::Server, &rotate).json();
+    let patience = Instant::now() + Duration::from_secs(30);
+    let refused = loop {
+        match Instructor::connect(class.instructors_link()) {
+            Err(error) => break error,
+            Ok(_) => assert!(Instant::now() < patience, "the former certificate stays"),
+        }
+    };
+    assert!(
+        matches!(refused, LinkError::WrongCertificate { .. }),
+        "{refused}"
+    );
+    until(&mut instructor, names[0], "a status", |_| true);
+    let digits = rotated["certificate_sha256"].as_str().expect("digits");
+    let renewed = LinkConfig {
+        pin: Pin::Fingerprint(from_hex32(digits).expect("32 bytes")),
+        ..class.instructors_link()
+    };
+    Instructor::connect(renewed).expect("the same token with the new fingerprint");
+    let read = |name: &str| std::fs::read(class.place.path(name)).expect("a certificate");
+    assert_eq!(read("server.der"), read("new.der"));
+
     let stopped = std::process::Command::new("kill")
         .args(["-TERM", &server.process.id().to_string()])
         .status();

@@ -59,79 +59,63 @@ pub fn perform(
     Ok(performed)
 }
 
-/// A started session of [`carry_all`].
-struct Carried<D> {
-    link: Link,
-    device: D,
-    device_loop: DeviceLoop,
+/// A session for [`carry_all`]: link, device, and number of periods.
+pub struct Part<D> {
+    /// Link whose session was started by [`Link::start`].
+    pub link: Link,
+    /// Device.
+    pub device: D,
+    /// Number of periods of the server's tick.
+    pub periods: u64,
 }
 
-/// Starts the sessions on all links and runs their devices on the calling thread, without a progress bar. The thread
-/// gets a SCHED_FIFO priority. `done` receives the smallest number of periods completed so far. The results have the order of the links.
+/// Runs the devices of started sessions on the calling thread, without a progress bar. The thread gets a SCHED_FIFO
+/// priority. `done` receives the progress of the slowest session, per mille. The results have the order of the parts.
 ///
 /// # Errors
 /// The system has no thread for the end of a session, or that thread panics.
 pub fn carry_all<D: EventDevice>(
-    links: Vec<(Link, D)>,
-    periods: u64,
+    parts: Vec<Part<D>>,
     priority: i32,
     done: &AtomicU64,
 ) -> anyhow::Result<Vec<Performed>> {
     device_loop::punctual(priority);
     // One grid for all: the thread wakes once per period.
     let begin_ns = now_ns();
-    let start = |(link, device): (Link, D)| {
-        // A link that has ended holds its error, which the end of the run returns.
-        link.start();
-        let device_loop = DeviceLoop::new(&link, begin_ns, periods, None);
-        Some(Carried {
-            link,
-            device,
-            device_loop,
-        })
+    let carried = |part: Part<D>| {
+        let device_loop = DeviceLoop::new(&part.link, begin_ns, part.periods, None);
+        Some((part, device_loop))
     };
-    let mut running: Vec<Option<Carried<D>>> = links.into_iter().map(start).collect();
+    let mut running: Vec<Option<(Part<D>, DeviceLoop)>> = parts.into_iter().map(carried).collect();
     let mut ending: Vec<Option<JoinHandle<Performed>>> = running.iter().map(|_| None).collect();
-    while let Some(next) = running
-        .iter()
-        .flatten()
-        .map(|c| c.device_loop.next_ns())
-        .min()
-    {
+    let next_of = |(_, device_loop): &(Part<D>, DeviceLoop)| device_loop.next_ns();
+    while let Some(next) = running.iter().flatten().map(next_of).min() {
         sleep_until(next);
+        let mut slowest = 1000;
         for (place, ending) in running.iter_mut().zip(&mut ending) {
-            let Some(carried) = place else { continue };
-            if carried.device_loop.goes_on(&carried.device) {
+            let Some((part, device_loop)) = place else {
+                continue;
+            };
+            slowest = slowest.min(device_loop.periods_done() * 1000 / part.periods.max(1));
+            if device_loop.goes_on(&part.device) {
                 let now = now_ns();
-                if carried.device_loop.next_ns() <= now {
-                    let (link, device) = (&mut carried.link, &mut carried.device);
-                    carried.device_loop.pass(link, device, now);
+                if device_loop.next_ns() <= now {
+                    device_loop.pass(&mut part.link, &mut part.device, now);
                 }
-            } else if let Some(Carried {
-                link, device_loop, ..
-            }) = place.take()
-            {
+            } else if let Some((part, device_loop)) = place.take() {
+                // On this thread: a thread without real-time priority could keep the lock from the network's.
+                let stats = part.link.stats();
                 // The goodbye takes as long as the server needs to sign a recording.
-                let end = move || finish(link, device_loop.end());
-                *ending = Some(
-                    std::thread::Builder::new()
-                        .name("sulcus-end".into())
-                        .spawn(end)?,
-                );
+                let end = move || finish(part.link, stats, device_loop.end());
+                let thread = std::thread::Builder::new().name("sulcus-end".into());
+                *ending = Some(thread.spawn(end)?);
             }
         }
-        let least = running
-            .iter()
-            .flatten()
-            .map(|c| c.device_loop.periods_done())
-            .min();
-        done.store(least.unwrap_or(periods), Ordering::Relaxed);
+        done.store(slowest, Ordering::Relaxed);
     }
     let joined = ending.into_iter().flatten().map(JoinHandle::join);
     joined
-        .map(|performed| {
-            performed.map_err(|_| anyhow::anyhow!("the thread of a session's end panicked"))
-        })
+        .map(|ended| ended.map_err(|_| anyhow::anyhow!("the thread of a session's end panicked")))
         .collect()
 }
 
@@ -143,11 +127,11 @@ fn run(
     done: &AtomicU64,
 ) -> Performed {
     let report = device_loop::run(&mut link, device, periods, disturb, done);
-    finish(link, report)
+    let stats = link.stats();
+    finish(link, stats, report)
 }
 
-fn finish(link: Link, report: LoopReport) -> Performed {
-    let stats = link.stats();
+fn finish(link: Link, stats: LinkStats, report: LoopReport) -> Performed {
     // The stop is sent here and at once, because the server records until it arrives. A silent server sends no goodbye.
     // After a close by the server, the link already holds the goodbye.
     let goodbye = if report.server_silent && link.is_open() {

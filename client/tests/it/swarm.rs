@@ -9,7 +9,15 @@ fn every_session_of_a_swarm_is_complete_and_replays_identical() {
     let folder = tempfile::tempdir().unwrap();
     let recordings = folder.path().join("recordings");
     let output = Command::new(env!("CARGO_BIN_EXE_sulcus-client"))
-        .args(["swarm", "--stations", "3", "--leaps", "1", "--duration", "2"])
+        .args([
+            "swarm",
+            "--stations",
+            "3",
+            "--leaps",
+            "1",
+            "--duration",
+            "2",
+        ])
         .args(["--exercise", "crown", "--replay", "--json", "--recordings"])
         .arg(&recordings)
         .output()
@@ -30,6 +38,10 @@ fn every_session_of_a_swarm_is_complete_and_replays_identical() {
         assert_eq!(session["complete"], true, "{session}");
         assert_eq!(session["rows_dropped"], 0, "{session}");
         assert!(session["ticks"].as_u64().unwrap() > 100, "{session}");
-        assert!(recordings.join(session["recording"].as_str().unwrap()).exists());
+        assert!(
+            recordings
+                .join(session["recording"].as_str().unwrap())
+                .exists()
+        );
     }
 }

@@ -107,12 +107,11 @@ pub fn run(args: &ServeArgs) -> anyhow::Result<u8> {
     }
     let server = start(config, &asked.listen)?;
     if let Some(path) = &args.certificate_out {
-        std::fs::write(path, server.certificate_der())
-            .with_context(|| format!("--certificate-out {}: cannot write", path.shown()))?;
+        renewal::write(path, server.certificate_der())?;
     }
     let control = control_socket::serve(claimed, desk)?;
     announce(&server, &stations, args.json);
-    let mut renewal = Renewal::new(state, &identity);
+    let mut renewal = Renewal::new(state, &identity, args.certificate_out.clone());
     signals::wait_for_signal(&server, || renewal.look(&server))?;
     tell!("the server is ending; running sessions are closed and their recordings signed");
     drop(control);

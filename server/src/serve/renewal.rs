@@ -1,8 +1,12 @@
 //! A rotated certificate reaches the running server.
 
+use std::path::{Path, PathBuf};
+
+use anyhow::Context;
+
 use crate::ServerHandle;
 use crate::state::{ServerIdentity, StateFolder};
-use sulcus_program::tell;
+use sulcus_program::{PathText, tell};
 use sulcus_proto::hex::hex;
 
 /// Follows the identity of the state folder.
@@ -10,16 +14,19 @@ pub(super) struct Renewal {
     folder: StateFolder,
     /// Fingerprint of the certificate that the server presents.
     fingerprint: [u8; 32],
+    /// File for the certificate, of `--certificate-out`.
+    out: Option<PathBuf>,
     /// Fault of the file that was told last; the former certificate stays in use.
     fault: Option<String>,
 }
 
 impl Renewal {
-    /// Follows the folder of a server that presents `identity`.
-    pub fn new(folder: StateFolder, identity: &ServerIdentity) -> Self {
+    /// Follows the folder of a server that presents `identity`. Each new certificate also goes to the file `out`.
+    pub fn new(folder: StateFolder, identity: &ServerIdentity, out: Option<PathBuf>) -> Self {
         Self {
             folder,
             fingerprint: identity.fingerprint(),
+            out,
             fault: None,
         }
     }
@@ -44,6 +51,9 @@ impl Renewal {
             return Ok(());
         };
         if found.fingerprint() != self.fingerprint {
+            if let Some(path) = &self.out {
+                write(path, found.certificate_der())?;
+            }
             server.renew(found.certificate_der(), found.key().secret_der())?;
             self.fingerprint = found.fingerprint();
             tell!(
@@ -53,4 +63,13 @@ impl Renewal {
         }
         Ok(())
     }
+}
+
+/// Writes the file of `--certificate-out`.
+///
+/// # Errors
+/// The file cannot be written.
+pub(super) fn write(path: &Path, certificate_der: &[u8]) -> anyhow::Result<()> {
+    std::fs::write(path, certificate_der)
+        .with_context(|| format!("--certificate-out {}: cannot write", path.shown()))
 }

@@ -13,8 +13,8 @@ use super::realtime::PRIORITY;
 
 /// SCHED_FIFO priority of a station with frequent long ticks.
 const BEHIND: i32 = PRIORITY - 1;
-/// Long ticks per second above which a station goes behind for good. Two hands in the whole mouth have a few on a full
-/// core, random leaps more than fifty.
+/// Long ticks in a second above which a station stays behind. Two hands in the whole mouth have a few on a full core,
+/// random leaps more than fifty. All seconds here are those of computed ticks.
 const OFTEN: u64 = 10;
 /// Seconds of [`OFTEN`] long ticks after which the station goes behind: a burst of so many times `OFTEN` does the same.
 const ENTER_S: u64 = 1;

@@ -2,21 +2,23 @@
 
 use std::sync::Once;
 
-use sulcus_link::schedule::{exact_timers, fifo};
+use sulcus_link::schedule::fifo;
 
 /// SCHED_FIFO priority of the simulation threads and of the network thread: threads of one priority wait in one queue.
-/// Above the simulations every wrench would interrupt another station's tick; below them full cores would let go every
-/// hand.
+/// A network above the simulations would interrupt another station's tick for every wrench. A network below them would
+/// not run on full cores: without wrenches the clients let go every hand.
 pub(crate) const PRIORITY: i32 = 50;
 
-/// Requests SCHED_FIFO, exact timers and locked memory for the calling thread. The lock covers the memory mapped so
+/// Requests SCHED_FIFO and locked memory for the calling thread. The lock covers the memory mapped so
 /// far.
 ///
-/// A missing right causes one warning in a process, and the thread runs without it.
-pub(crate) fn enter() {
+/// A missing right causes one warning in a process, and the thread runs without it. Returns whether the thread is a
+/// SCHED_FIFO one.
+pub(crate) fn enter() -> bool {
     static SCHEDULE: Once = Once::new();
     static MEMORY: Once = Once::new();
-    if let Err(error) = fifo(PRIORITY) {
+    let scheduled = fifo(PRIORITY);
+    if let Err(error) = &scheduled {
         SCHEDULE.call_once(|| {
             tracing::warn!(
                 "no real-time scheduling ({error}): more ticks are missed under load; \
@@ -33,5 +35,5 @@ pub(crate) fn enter() {
             );
         });
     }
-    exact_timers();
+    scheduled.is_ok()
 }

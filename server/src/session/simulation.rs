@@ -99,12 +99,9 @@ impl Simulation {
             tracing::warn!("simulation is not bound to core {core}: {error}");
         }
         // After all allocations, so that their memory is locked. The grid begins afterwards.
-        if real_time {
-            realtime::enter();
-        } else {
-            sulcus_link::schedule::exact_timers();
-        }
-        ticker.grid.begin(monotonic_ns(), unix_ns());
+        let is_real_time = real_time && realtime::enter();
+        sulcus_link::schedule::exact_timers();
+        ticker.grid.begin(monotonic_ns(), unix_ns(), is_real_time);
         while !Flags::is_up(&flags.stop) {
             ticker.step();
         }
@@ -201,7 +198,7 @@ impl Ticker {
         if let Some(priority) = self.precedence.took(cpu_ns)
             && self.link.real_time
         {
-            // Without the right to a priority there is none to change.
+            // A thread without the right to a priority has none to change.
             let _ = fifo(priority);
         }
         self.metrics.skipped += u64::from(skipped);

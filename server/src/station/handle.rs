@@ -124,7 +124,7 @@ impl ServerHandle {
         self.local_addr
     }
 
-    /// Certificate of the server (DER), for clients that pin the whole certificate.
+    /// First certificate of the server (DER), for clients that pin the whole certificate: see [`ServerHandle::renew`].
     pub fn certificate_der(&self) -> &[u8] {
         &self.certificate_der
     }
@@ -176,7 +176,7 @@ impl ServerHandle {
     }
 
     /// Presents another certificate (DER, with its private key in PKCS#8) to all connections from now on. Open connections
-    /// stay, and [`ServerHandle::ticket`] keeps the first one.
+    /// stay. [`ServerHandle::ticket`] and [`ServerHandle::certificate_der`] keep the first one.
     ///
     /// # Errors
     /// Certificate and key do not fit each other, or are not valid.

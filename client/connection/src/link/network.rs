@@ -8,11 +8,11 @@ use tokio::sync::oneshot;
 
 use super::LinkError;
 
-/// SCHED_FIFO priority of the thread, above that of the device's: a packet takes some microseconds.
+/// SCHED_FIFO priority of the thread, above that of the device's thread: a packet takes some microseconds.
 const PRIORITY: i32 = 46;
 
 /// A thread with a current-thread runtime. Several links may share it: their packets then cost fewer wake-ups. The
-/// thread ends with the last link that holds it.
+/// thread ends when the last holder drops it.
 pub struct Network {
     handle: Handle,
     stop: Option<oneshot::Sender<()>>,

@@ -1,4 +1,4 @@
-//! Counters and times of packets, shared between the link's thread and its users.
+//! Counters and times of packets, shared between the link's task and its users.
 
 use std::sync::atomic::{AtomicBool, AtomicU32, AtomicU64, Ordering};
 use std::sync::{Mutex, PoisonError};
@@ -48,7 +48,7 @@ pub(super) struct Shared {
     inner: Mutex<Numbers>,
 }
 
-/// Counters of the link's thread.
+/// Counters of the link's task.
 pub(super) struct Numbers {
     pub filter: NewestWins,
     pub sent: u64,

@@ -19,7 +19,7 @@ pub struct SwarmArgs {
     #[arg(long, value_name = "NAME", default_value = "bimanual")]
     pub exercise: String,
     /// Number of stations, the last ones, whose devices leap at random about a narrow pocket
-    #[arg(long, value_name = "N", default_value = "0", conflicts_with = "server")]
+    #[arg(long, value_name = "N", default_value = "0", conflicts_with_all = ["server", "readme"])]
     pub leaps: usize,
     /// Scene file of every station. Default: the scene of the exercise
     #[arg(long, value_name = "FILE")]
@@ -36,7 +36,8 @@ pub struct SwarmArgs {
     /// Replay every recording, and count those that are not identical
     #[arg(long, conflicts_with = "server")]
     pub replay: bool,
-    /// Write the table of the runs into a document, between its markers `<!-- begin: swarm NAME -->` and `<!-- end: swarm NAME -->`, with the name of the exercise
+    /// Write the table of the runs into a document, between its markers `<!-- begin: swarm NAME -->` and
+    /// `<!-- end: swarm NAME -->`, with the name of the exercise
     #[arg(long, value_name = "FILE", conflicts_with = "server")]
     pub readme: Option<PathBuf>,
     /// Print one JSON object as the last line of standard output: that of the last run

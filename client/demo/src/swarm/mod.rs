@@ -14,7 +14,7 @@ use std::time::Duration;
 use anyhow::{Context, bail};
 use serde::Serialize;
 use sulcus_connection::link::{Link, LinkConfig, LinkStats, Network};
-use sulcus_connection::perform::{Performed, carry_all};
+use sulcus_connection::perform::{Part, Performed, carry_all};
 use sulcus_connection::progress::{Bar, Steps};
 use sulcus_program::{say, tell};
 use sulcus_proto::control::EndReason;
@@ -28,9 +28,11 @@ use player::{LEAPS, Leaps, Player};
 use seats::Seats;
 use usage::{Meter, Usage};
 
-/// SCHED_FIFO priority of the simulated hands and of their packets, that of an embedded server's threads: no thread of
-/// the machine interrupts another, and none starves.
+/// SCHED_FIFO priority of the simulated hands and of their packets, that of an embedded server's threads: on a full core
+/// hands and simulations wait for each other.
 const PRIORITY: i32 = 50;
+/// Number of hands on one thread, and of their links on one other. Chosen: each thread takes at most half a core.
+const SHARED: usize = 16;
 
 /// Result of one run.
 #[derive(Clone, Debug, Serialize)]
@@ -45,7 +47,7 @@ pub struct Swarm {
     pub cpu_percent: f64,
     /// Processor time of the server's threads, per cent of one core; 0 for a server in another process.
     pub server_cpu_percent: f64,
-    /// Time for which simulation threads were ready and did not run, per cent of the wall time of one thread, summed.
+    /// Time for which simulation threads were ready and did not run, summed over the threads, per cent of the wall time.
     /// The time holds waits for other real-time threads and all throttles of the kernel.
     pub waited_percent: f64,
     /// Largest resident memory of server and simulated hands, mebibytes.
@@ -67,7 +69,9 @@ pub struct Session {
     pub ticks: u64,
     /// Rows that the recorder's queue dropped.
     pub rows_dropped: u64,
-    /// Late and skipped ticks.
+    /// Grid points without a tick.
+    pub skipped: u64,
+    /// Late ticks and skipped points.
     pub deadline_misses: u64,
     /// CPU time of a tick, microseconds.
     pub tick_us: Percentiles,
@@ -87,6 +91,7 @@ impl Session {
             complete: summary.complete && summary.end == EndReason::Stopped,
             ticks: summary.ticks,
             rows_dropped: summary.rows_dropped,
+            skipped: summary.skipped,
             deadline_misses: summary.deadline_misses,
             tick_us: summary.tick_us,
             tick_wall_us: summary.tick_wall_us,
@@ -124,26 +129,24 @@ pub fn run(args: &SwarmArgs) -> anyhow::Result<u8> {
     Ok(u8::from(!runs.iter().all(sound)))
 }
 
-/// Exercises and devices for `stations` stations, each with a seed of its own.
+/// Exercises for `stations` stations, each with a seed of its own. The last ones are those of `--leaps`.
 fn hands(args: &SwarmArgs, stations: usize, steps: &Steps) -> anyhow::Result<Vec<Prepared>> {
     let mut hands: Vec<Prepared> = Vec::new();
-    let leaping = stations.saturating_sub(args.leaps);
+    let first_leaping = stations.saturating_sub(args.leaps);
     for k in 0..stations {
-        let leaps = k >= leaping;
-        let exercise = if leaps { LEAPS } else { &args.exercise };
+        let leaps = k >= first_leaping;
         let asked = Asked {
             scene: args.scene.as_deref().filter(|_| !leaps),
             duration_s: Some(args.duration),
             hand_seed: k as u64 + 1,
-            ..Asked::of(exercise)
+            ..Asked::of(if leaps { LEAPS } else { &args.exercise })
         };
         let mut prepared = prepare(&asked, steps)?;
         if leaps {
             prepared.exercise.duration_s = args.duration;
             prepared.ticks = (args.duration / prepared.scene.tick_s()) as u64;
         }
-        let first = hands.get(if leaps { leaping } else { 0 });
-        if let Some(first) = first {
+        if let Some(first) = hands.get(if leaps { first_leaping } else { 0 }) {
             // One copy of the scene for all stations of an exercise.
             prepared.scene = first.scene.clone();
             prepared.scene_bytes = first.scene_bytes.clone();
@@ -165,7 +168,7 @@ fn one(args: &SwarmArgs, stations: usize, steps: &Steps) -> anyhow::Result<Swarm
     };
     let meter = Meter::start()?;
     let bar = steps.bar("performing");
-    let (performed, refused) = perform_all(hands, &seats.configs, &bar)?;
+    let (performed, refused) = perform_all(hands, args.leaps, &seats.configs, &bar)?;
     bar.done();
     let Usage {
         cpu_percent,
@@ -200,59 +203,87 @@ fn one(args: &SwarmArgs, stations: usize, steps: &Steps) -> anyhow::Result<Swarm
     Ok(swarm)
 }
 
-/// Performs one session at each seat, at the same time. Returns the sessions and the sentences of refused seats.
+/// Performs one session at each seat, at the same time. Returns the sessions and the sentences of refused seats. The
+/// last `leaps` devices leap at random.
 ///
-/// One thread moves all hands and one thread carries all their packets: the hands share the machine with an embedded
+/// One thread moves [`SHARED`] hands and one thread carries their packets: the hands share the machine with an embedded
 /// server, and threads of their own would cost it a core at 16 stations.
 fn perform_all(
     hands: Vec<Prepared>,
+    leaps: usize,
     seats: &[LinkConfig],
     bar: &Bar,
 ) -> anyhow::Result<(Vec<Performed>, Vec<String>)> {
-    let periods = hands.first().map_or(1, |hand| hand.ticks).max(1);
-    let network = Arc::new(Network::start_at(PRIORITY)?);
     let mut refused = Vec::new();
-    let mut links: Vec<(Link, Player)> = Vec::new();
-    for (hand, config) in hands.into_iter().zip(seats) {
-        let link = match Link::connect_on(config.clone(), network.clone()) {
-            Ok(link) => link,
-            Err(error) => {
-                tell!("station refused: {error}");
-                refused.push(error.to_string());
-                continue;
+    let mut groups: Vec<Vec<Part<Player>>> = Vec::new();
+    let first_leaping = hands.len().saturating_sub(leaps);
+    // Before the first connection: a server waits for the start of a session for some seconds only.
+    let asked: Vec<_> = hands
+        .into_iter()
+        .zip(seats)
+        .enumerate()
+        .map(|(k, (hand, config))| {
+            let (scene_hash, periods) = (hand.scene_hash(), hand.ticks);
+            let device = if k >= first_leaping {
+                Player::Leaps(Leaps::new(&hand.scene, k as u64))
+            } else {
+                Player::Hand(Box::new(Simulated {
+                    operator: hand.operator,
+                    until_done: false,
+                }))
+            };
+            (device, scene_hash, periods, config)
+        })
+        .collect();
+    let mut asked = asked.into_iter().peekable();
+    while asked.peek().is_some() {
+        let network = Arc::new(Network::start_at(PRIORITY)?);
+        let mut parts = Vec::new();
+        for (device, scene_hash, periods, config) in asked.by_ref().take(SHARED) {
+            let link = match Link::connect_on(config.clone(), network.clone()) {
+                Ok(link) => link,
+                Err(error) => {
+                    tell!("station refused: {error}");
+                    refused.push(error.to_string());
+                    continue;
+                }
+            };
+            if link.hello().scene_hash != scene_hash {
+                bail!(
+                    "station `{}` simulates scene `{}`, which differs from the scene of the simulated hands; give the server's exercise and scene file",
+                    link.hello().station,
+                    link.hello().scene
+                );
             }
-        };
-        if link.hello().scene_hash != hand.scene_hash() {
-            bail!(
-                "station `{}` simulates scene `{}`, which differs from the scene of the simulated hands; give the server's exercise and scene file",
-                link.hello().station,
-                link.hello().scene
-            );
+            // A link that has ended holds its error, which the end of the run returns.
+            link.start();
+            parts.push(Part {
+                link,
+                device,
+                periods,
+            });
         }
-        let device = if hand.exercise.name == LEAPS {
-            Player::Leaps(Leaps::new(&hand.scene, links.len() as u64, periods))
-        } else {
-            Player::Hand(Box::new(Simulated {
-                operator: hand.operator,
-                until_done: false,
-            }))
-        };
-        links.push((link, device));
+        groups.push(parts);
     }
-    let done = AtomicU64::new(0);
+    let progress: Vec<AtomicU64> = groups.iter().map(|_| AtomicU64::new(0)).collect();
     let performed = std::thread::scope(|scope| {
-        let thread = std::thread::Builder::new()
-            .name("sulcus-device".into())
-            .spawn_scoped(scope, || carry_all(links, periods, PRIORITY, &done))?;
-        while !thread.is_finished() {
-            let share = done.load(Ordering::Relaxed) as f64 / periods as f64;
-            bar.set("performing", share.min(1.0));
+        let mut threads = Vec::new();
+        for (parts, done) in groups.into_iter().zip(&progress) {
+            let thread = std::thread::Builder::new().name("sulcus-device".into());
+            threads.push(thread.spawn_scoped(scope, || carry_all(parts, PRIORITY, done))?);
+        }
+        while threads.iter().any(|thread| !thread.is_finished()) {
+            let slowest = progress.iter().map(|done| done.load(Ordering::Relaxed));
+            bar.set("performing", slowest.min().unwrap_or(0) as f64 / 1000.0);
             std::thread::sleep(Duration::from_millis(100));
         }
-        thread
-            .join()
-            .ok()
-            .context("the thread of the simulated hands ended unexpectedly")?
+        let mut performed = Vec::new();
+        for thread in threads {
+            let ended = thread.join().ok();
+            performed
+                .extend(ended.context("the thread of the simulated hands ended unexpectedly")??);
+        }
+        anyhow::Ok(performed)
     })?;
     Ok((performed, refused))
 }

@@ -12,6 +12,9 @@ use crate::simulated::Simulated;
 /// Exercise of a station with random leaps: the hard case in their scene.
 pub(super) const LEAPS: &str = "hard/random-poses";
 
+/// Number of poses, after which the walk begins anew.
+const LENGTH: u64 = 60_000;
+
 /// Poses of a random walk with leaps of up to 9 mm and 0.7 rad in one tick about a narrow pocket. No hand with mass
 /// follows them: a device that sends such poses is broken, or its program is patched.
 pub(super) struct Leaps {
@@ -20,10 +23,10 @@ pub(super) struct Leaps {
 }
 
 impl Leaps {
-    /// Leaps in the scene of [`LEAPS`] for a number of milliseconds.
-    pub fn new(scene: &Scene, seed: u64, ticks: u64) -> Self {
+    /// Leaps in the scene of [`LEAPS`], which has 1000 ticks in a second.
+    pub fn new(scene: &Scene, seed: u64) -> Self {
         Self {
-            script: fuzz::POCKET.script(scene, seed, ticks.max(1)),
+            script: fuzz::POCKET.script(scene, seed, LENGTH),
             periods: 0,
         }
     }
@@ -50,7 +53,7 @@ impl Device for Player {
             Self::Hand(hand) => hand.exchange(shown),
             Self::Leaps(leaps) => {
                 let targets = leaps.script.targets(leaps.periods as f64 * 1e-3);
-                leaps.periods += 1;
+                leaps.periods = (leaps.periods + 1) % LENGTH;
                 targets.map(|pose| pose.map_or(ToolInput::ABSENT, |pose| present(&pose)))
             }
         }

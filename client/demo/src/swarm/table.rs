@@ -46,7 +46,7 @@ pub(super) fn lines(swarm: &Swarm) -> String {
     }
     let _ = write!(
         text,
-        "{} of {} stations; CPU {:.0} % of a core, of it the server {:.0} %; simulations waited {:.0} % of a second each second; memory {:.0} MB; times in microseconds",
+        "{} of {} stations; CPU {:.0} % of a core, of it the server {:.0} %; simulations waited {:.0} % of the time in sum; memory {:.0} MB; times in microseconds",
         swarm.sessions.len(),
         swarm.stations,
         swarm.cpu_percent,
@@ -70,30 +70,33 @@ fn markdown(exercise: &str, runs: &[Swarm]) -> String {
     let cores = std::thread::available_parallelism().map_or(0, usize::from);
     let mut text = format!(
         "Machine: {cores} logical cores, shared by server and simulated hands. Exercise `{exercise}`.\n\
-         Times are the largest of all stations, in microseconds. `waited` is the time for which the stations' simulations\n\
-         were ready and did not run, in per cent of one second each second: waits for other threads and throttles of the kernel.\n\n\
-         | stations | sessions complete | rows dropped | replays not identical | missed ticks, % | tick CPU p50 | tick CPU p99 | tick CPU p99.9 | tick wall p99 | longest tick | round trip p50 | waited, % | CPU, % of a core | server's CPU, % of a core | memory, MB |\n\
-         |---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|\n"
+         Times are the largest of all stations, in microseconds. A missed point is a late tick or a point without a tick.\n\
+         Waited: the time for which simulations were ready and did not run, in sum over all stations, in per cent of the wall\n\
+         time; it may exceed 100. The time holds waits for other threads and throttles of the kernel.\n\n\
+         | stations | sessions complete | rows dropped | replays not identical | missed points, % | tick CPU p50 | tick CPU p99 | tick CPU p99.9 | tick wall p99 | longest tick | round trip p50 | overslept by hands, % | waited, % | CPU, % of a core | server's CPU, % of a core | memory, MB |\n\
+         |---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|\n"
     );
     for run in runs {
         let all = &run.sessions;
-        let ticks: u64 = all.iter().map(|one| one.ticks).sum();
+        let points: u64 = all.iter().map(|one| one.ticks + one.skipped).sum();
         let missed: u64 = all.iter().map(|one| one.deadline_misses).sum();
+        let overslept: u64 = all.iter().map(|one| one.overslept).sum();
         let dropped: u64 = all.iter().map(|one| one.rows_dropped).sum();
         let complete = all.iter().filter(|one| one.complete).count();
         let _ = writeln!(
             text,
-            "| {} | {complete} | {dropped} | {} | {:.2} | {:.0} | {:.0} | {:.0} | {:.0} | {:.0} | {:.0} | {:.0} | {:.0} | {:.0} | {:.0} |",
+            "| {} | {complete} | {dropped} | {} | {:.2} | {:.0} | {:.0} | {:.0} | {:.0} | {:.0} | {:.0} | {:.2} | {:.0} | {:.0} | {:.0} | {:.0} |",
             run.stations,
             run.not_identical
                 .map_or_else(|| "not tested".to_owned(), |n| n.to_string()),
-            100.0 * missed as f64 / ticks.max(1) as f64,
+            100.0 * missed as f64 / points.max(1) as f64,
             most(all, |one| one.tick_us.p50),
             most(all, |one| one.tick_us.p99),
             most(all, |one| one.tick_us.p999),
             most(all, |one| one.tick_wall_us.p99),
             most(all, |one| one.tick_wall_us.max),
             most(all, |one| one.rtt_us.p50),
+            100.0 * overslept as f64 / points.max(1) as f64,
             run.waited_percent,
             run.cpu_percent,
             run.server_cpu_percent,

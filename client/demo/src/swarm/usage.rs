@@ -20,7 +20,7 @@ pub struct Usage {
     pub cpu_percent: f64,
     /// The same for the threads of the server alone.
     pub server_percent: f64,
-    /// Time for which simulation threads were ready and did not run, per cent of the wall time of one thread, summed.
+    /// Time for which simulation threads were ready and did not run, summed over the threads, per cent of the wall time.
     /// The time holds waits for other real-time threads and all throttles of the kernel.
     pub waited_percent: f64,
     /// Largest resident memory of the process, mebibytes.
@@ -50,7 +50,11 @@ impl Meter {
                 while !ended.load(Ordering::Relaxed) {
                     std::thread::sleep(EVERY);
                     // A thread that has ended keeps its last reading.
-                    newest.extend(times());
+                    for (id, mut reading) in times() {
+                        let former = newest.get(&id).map_or(0, |former| former.wait_ns);
+                        reading.wait_ns = reading.wait_ns.max(former);
+                        newest.insert(id, reading);
+                    }
                 }
                 let wall_s = begin.elapsed().as_secs_f64();
                 let mut usage = Usage {
@@ -67,14 +71,15 @@ impl Meter {
                 ) in &newest
                 {
                     let earlier = before.get(id);
-                    let ticks = ticks - earlier.map_or(0, |earlier| earlier.ticks);
+                    let ticks = ticks.saturating_sub(earlier.map_or(0, |earlier| earlier.ticks));
                     let percent = 100.0 * ticks as f64 / ticks_per_s() / wall_s;
                     usage.cpu_percent += percent;
                     if SERVER.iter().any(|begin| name.starts_with(begin)) {
                         usage.server_percent += percent;
                     }
                     if name.starts_with(SIMULATION) {
-                        let wait_ns = wait_ns - earlier.map_or(0, |earlier| earlier.wait_ns);
+                        let earlier = earlier.map_or(0, |earlier| earlier.wait_ns);
+                        let wait_ns = wait_ns.saturating_sub(earlier);
                         usage.waited_percent += 100.0 * wait_ns as f64 / 1e9 / wall_s;
                     }
                 }

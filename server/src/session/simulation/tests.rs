@@ -118,7 +118,7 @@ fn bench(rows: usize) -> Bench {
         core: None,
     };
     let mut ticker = Ticker::new(simulation, Metrics::new());
-    ticker.grid.begin(monotonic_ns(), unix_ns());
+    ticker.grid.begin(monotonic_ns(), unix_ns(), false);
     Bench {
         ticker,
         poses,
