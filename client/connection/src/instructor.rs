@@ -16,6 +16,8 @@ use crate::link::{LinkConfig, LinkError, control, handshake, reach};
 const MESSAGES: usize = 1024;
 /// Timeout of an answer. A server answers a level within 2 s, a plan after the compilation of its scene.
 const ANSWER: Duration = Duration::from_secs(120);
+/// Timeout for the last packets after the close.
+const LAST_PACKETS: Duration = Duration::from_millis(500);
 
 /// Message of a station.
 #[derive(Clone, Debug, PartialEq)]
@@ -57,12 +59,14 @@ impl Instructor {
                         Ok(greeted) => greeted,
                         Err(error) => return drop(welcome_in.send(Err(error))),
                     };
-                    let (_endpoint, connection, send, recv, welcome) = greeted;
+                    let (endpoint, connection, send, recv, welcome) = greeted;
                     if welcome_in.send(Ok(welcome)).is_err() {
                         return;
                     }
                     let ended = carry(send, recv, from_user, &answers_in, &heard_in).await;
                     connection.close(0u32.into(), b"bye");
+                    // Without this wait the close is never sent, and the server keeps the connection until its timeout.
+                    let _ = tokio::time::timeout(LAST_PACKETS, endpoint.wait_idle()).await;
                     if let Err(error) = ended {
                         let _ = answers_in.try_send(Err(error));
                     }

@@ -31,7 +31,8 @@ impl Renewal {
         }
     }
 
-    /// Reads the file of the identity. A new certificate is used for all connections from now on; open connections stay.
+    /// Reads the file of the identity. A new certificate is used for all connections from now on; open connections
+    /// stay.
     pub fn look(&mut self, server: &ServerHandle) {
         let fault = match self.take(server) {
             Ok(()) => None,

@@ -70,10 +70,10 @@ impl Grid {
 
     /// Takes begin and end of the tick. Returns whether the tick was late: it ended after the next point.
     ///
-    /// A tick is crowded if it was late, or if other threads kept it from its begin for more than half a period: after its
-    /// point and after the end of the tick before. After [`CROWDED_IN_ROW`] crowded ticks one point is left out. A core
-    /// with too many stations would otherwise never idle: the recorders would starve, and the kernel's throttle would stop
-    /// all real-time threads for 50 ms.
+    /// A tick is crowded if it was late, or if other threads kept it from its begin for more than half a period: after
+    /// its point and after the end of the tick before. After [`CROWDED_IN_ROW`] crowded ticks one point is left out. A
+    /// core with too many stations would otherwise never idle: the recorders would starve, and the kernel's throttle
+    /// would stop all real-time threads for 50 ms.
     pub fn ended(&mut self, begin_ns: u64, end_ns: u64) -> bool {
         let late = end_ns > self.next_ns;
         let point_ns = self.next_ns - self.tick_ns;

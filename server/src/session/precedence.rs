@@ -1,7 +1,7 @@
 //! Precedence of a simulation thread over those of other stations on its core.
 //!
-//! Real-time threads of equal priority do not interrupt each other, so a tick of a millisecond would delay every station
-//! on its core. A station with frequent long ticks goes behind the others: their ticks interrupt its own.
+//! Real-time threads of equal priority do not interrupt each other, so a tick of a millisecond would delay every
+//! station on its core. A station with frequent long ticks goes behind the others: their ticks interrupt its own.
 //!
 //! The number of such stations is limited. On a full machine all stations have long ticks; interrupts of most stations
 //! by the network would make the machine fuller.

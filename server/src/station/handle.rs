@@ -175,8 +175,8 @@ impl ServerHandle {
         door.is_some_and(|door| door.try_tell(ToStation::Provoke(fault)))
     }
 
-    /// Presents another certificate (DER, with its private key in PKCS#8) to all connections from now on. Open connections
-    /// stay. [`ServerHandle::ticket`] and [`ServerHandle::certificate_der`] keep the first one.
+    /// Presents another certificate (DER, with its private key in PKCS#8) to all connections from now on. Open
+    /// connections stay. [`ServerHandle::ticket`] and [`ServerHandle::certificate_der`] keep the first one.
     ///
     /// # Errors
     /// Certificate and key do not fit each other, or are not valid.

@@ -28,8 +28,8 @@ use player::{LEAPS, Leaps, Player};
 use seats::Seats;
 use usage::{Meter, Usage};
 
-/// SCHED_FIFO priority of the simulated hands and of their packets, that of an embedded server's threads: on a full core
-/// hands and simulations wait for each other.
+/// SCHED_FIFO priority of the simulated hands and of their packets, that of an embedded server's threads: on a full
+/// core hands and simulations wait for each other.
 const PRIORITY: i32 = 50;
 /// Number of hands on one thread, and of their links on one other. Chosen: each thread takes at most half a core.
 const SHARED: usize = 16;
@@ -47,8 +47,8 @@ pub struct Swarm {
     pub cpu_percent: f64,
     /// Processor time of the server's threads, per cent of one core; 0 for a server in another process.
     pub server_cpu_percent: f64,
-    /// Time for which simulation threads were ready and did not run, summed over the threads, per cent of the wall time.
-    /// The time holds waits for other real-time threads and all throttles of the kernel.
+    /// Time for which simulation threads were ready and did not run, summed over the threads, per cent of the wall
+    /// time. The time holds waits for other real-time threads and all throttles of the kernel.
     pub waited_percent: f64,
     /// Largest resident memory of server and simulated hands, mebibytes.
     pub memory_mb: f64,

@@ -20,8 +20,8 @@ pub struct Usage {
     pub cpu_percent: f64,
     /// The same for the threads of the server alone.
     pub server_percent: f64,
-    /// Time for which simulation threads were ready and did not run, summed over the threads, per cent of the wall time.
-    /// The time holds waits for other real-time threads and all throttles of the kernel.
+    /// Time for which simulation threads were ready and did not run, summed over the threads, per cent of the wall
+    /// time. The time holds waits for other real-time threads and all throttles of the kernel.
     pub waited_percent: f64,
     /// Largest resident memory of the process, mebibytes.
     pub memory_mb: f64,
