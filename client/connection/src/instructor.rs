@@ -44,7 +44,7 @@ impl Instructor {
     /// # Errors
     /// No answer, another certificate, a refusal, or a system without threads or sockets.
     pub fn connect(config: LinkConfig) -> Result<Self, LinkError> {
-        let (to_server, from_user) = mpsc::channel(MESSAGES);
+        let (to_server, mut from_user) = mpsc::channel(MESSAGES);
         let (answers_in, answers) = sync_channel(MESSAGES);
         let (heard_in, heard) = sync_channel(MESSAGES);
         let (welcome_in, welcome) = sync_channel(1);
@@ -63,13 +63,15 @@ impl Instructor {
                     if welcome_in.send(Ok(welcome)).is_err() {
                         return;
                     }
-                    let ended = carry(send, recv, from_user, &answers_in, &heard_in).await;
-                    connection.close(0u32.into(), b"bye");
-                    // Without this wait the close is never sent, and the server keeps the connection until its timeout.
-                    let _ = tokio::time::timeout(LAST_PACKETS, endpoint.wait_idle()).await;
+                    let ended = carry(send, recv, &mut from_user, &answers_in, &heard_in).await;
+                    // Before the end of the channel: the user asks for the error as soon as nobody takes messages.
                     if let Err(error) = ended {
                         let _ = answers_in.try_send(Err(error));
                     }
+                    drop(from_user);
+                    connection.close(0u32.into(), b"bye");
+                    // Without this wait the close is never sent, and the server keeps the connection until its timeout.
+                    let _ = tokio::time::timeout(LAST_PACKETS, endpoint.wait_idle()).await;
                 });
             })?;
         let gone = || LinkError::System("the thread of the connection ended unexpectedly".into());
@@ -168,7 +170,7 @@ async fn greet(config: &LinkConfig) -> Result<Greeted, LinkError> {
 async fn carry(
     mut send: SendStream,
     recv: RecvStream,
-    mut from_user: mpsc::Receiver<ClientMessage>,
+    from_user: &mut mpsc::Receiver<ClientMessage>,
     answers: &SyncSender<Result<Answer, LinkError>>,
     heard: &SyncSender<Heard>,
 ) -> Result<(), LinkError> {
