@@ -75,7 +75,8 @@
 //! let (mut state, mut workspace) = (State::new(&scene), Workspace::new(&scene));
 //! let mut input = TickInput::IDLE;
 //! let mut force = 0.0;
-//! for _ in 0..200 {
+//! // After the entry of a tool the force grows for half a second.
+//! for _ in 0..600 {
 //!     input.tools[0] = ToolInput::at(&Pose::new(Vec3::new(0.0, 0.0, 1e-3), Quat::identity()));
 //!     force = tick(&scene, &mut state, &mut workspace, &input, &mut NoProbe).tools[0].wrench.force.z;
 //! }
