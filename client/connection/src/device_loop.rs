@@ -163,7 +163,7 @@ impl DeviceLoop {
         report
     }
 
-    /// One pass at `now`, at or after [`DeviceLoop::next_ns`].
+    /// Performs a pass of the loop. `now` is the present time by [`now_ns`], at or after [`DeviceLoop::next_ns`].
     pub fn pass(&mut self, link: &mut Link, device: &mut dyn EventDevice, now: u64) {
         let (leaving, period_ns) = (self.leaving, self.period_ns);
         let late = now.saturating_sub(self.grid_ns) / period_ns;

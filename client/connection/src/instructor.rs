@@ -10,14 +10,12 @@ use sulcus_proto::station::{StationEvent, StationStatus};
 use sulcus_proto::{ClientMessage, CodecError, ServerMessage};
 use tokio::sync::mpsc;
 
-use crate::link::{LinkConfig, LinkError, control, handshake, reach};
+use crate::link::{LAST_PACKETS, LinkConfig, LinkError, control, handshake, reach};
 
 /// Number of messages that wait in either direction. Statuses and events beyond it are dropped.
 const MESSAGES: usize = 1024;
 /// Timeout of an answer. A server answers a level within 2 s, a plan after the compilation of its scene.
 const ANSWER: Duration = Duration::from_secs(120);
-/// Timeout for the last packets after the close.
-const LAST_PACKETS: Duration = Duration::from_millis(500);
 
 /// Message of a station.
 #[derive(Clone, Debug, PartialEq)]

@@ -22,7 +22,8 @@ The certificate is made once, at the first start, and kept in the state folder. 
 /// Text after the options of `rotate`.
 const ROTATE: &str = "\
 A running server presents the new certificate within a second. Open connections stay; from then on clients refuse the
-old tickets. Tokens stay valid: in each ticket, replace the digits after the last dot by the new fingerprint, or make new tickets for a class with
+old tickets. Tokens stay valid: in each ticket, replace the digits after the last dot by the new fingerprint, or make
+new tickets for a class with
 `sulcus-server token add --class ROSTER.csv --renew --out FILE`.";
 
 /// Show or rotate the server's certificate

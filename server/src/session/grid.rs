@@ -89,6 +89,14 @@ impl Grid {
         late
     }
 
+    /// Leaves out the next point. The next tick counts the point as skipped.
+    pub fn leave_out(&mut self) {
+        if let Some(left_out) = self.left_out.checked_add(1) {
+            self.left_out = left_out;
+            self.next_ns += self.tick_ns;
+        }
+    }
+
     /// Number of points after the next one up to `now_ns`, at most 65535.
     fn points_missed(&self, now_ns: u64) -> u16 {
         u16::try_from(now_ns.saturating_sub(self.next_ns) / self.tick_ns).unwrap_or(u16::MAX)
@@ -136,6 +144,15 @@ mod tests {
             }
             assert_eq!(points, [0, 0, skipped, 0, 0], "{cost} tenths");
         }
+    }
+
+    #[test]
+    fn a_point_that_is_left_out_is_counted_by_the_next_tick() {
+        let mut grid = grid();
+        assert_eq!(grid.advance(TICK_NS), (TICK_NS, 0));
+        grid.leave_out();
+        assert_eq!(grid.next_ns(), 3 * TICK_NS);
+        assert_eq!(grid.advance(3 * TICK_NS), (3 * TICK_NS, 1));
     }
 
     #[test]

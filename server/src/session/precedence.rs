@@ -4,10 +4,11 @@
 //! station on its core. A station with frequent long ticks goes behind the others: their ticks interrupt its own.
 //!
 //! The number of such stations is limited. On a full machine all stations have long ticks; interrupts of most stations
-//! by the network would make the machine fuller.
+//! by the network would make the machine fuller. On a full core a station behind the others would also starve: after
+//! five periods without an end of its tick every other station leaves out a grid point.
 
 use std::sync::Arc;
-use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicU64, Ordering};
 
 use super::realtime::PRIORITY;
 
@@ -21,29 +22,47 @@ const ENTER_S: u64 = 1;
 /// Longest time behind the others after the last long tick, seconds.
 const STAY_S: u64 = 2;
 
+/// Periods without an end of a tick after which the other stations give way.
+const STARVED_PERIODS: u64 = 5;
+
 /// Places behind the others, shared by the stations of a server.
 #[derive(Debug)]
 pub(crate) struct Places {
-    free: AtomicUsize,
+    /// For each place the end of its station's newest tick, nanoseconds of the monotonic clock; 0 for a free place.
+    ended_ns: Vec<AtomicU64>,
 }
 
 impl Places {
     /// Places for an eighth of a number of stations, at least one.
     pub fn of(stations: usize) -> Self {
+        let places = (stations / 8).max(1);
         Self {
-            free: AtomicUsize::new((stations / 8).max(1)),
+            ended_ns: (0..places).map(|_| AtomicU64::new(0)).collect(),
         }
     }
 
-    fn take(&self) -> bool {
-        let one_less = |free: usize| free.checked_sub(1);
-        self.free
-            .fetch_update(Ordering::Relaxed, Ordering::Relaxed, one_less)
-            .is_ok()
+    /// Takes a free place, if there is one.
+    fn take(&self, now_ns: u64) -> Option<usize> {
+        let is_mine = |place: &AtomicU64| {
+            place
+                .compare_exchange(0, now_ns.max(1), Ordering::Relaxed, Ordering::Relaxed)
+                .is_ok()
+        };
+        self.ended_ns.iter().position(is_mine)
     }
 
-    fn give_back(&self) {
-        self.free.fetch_add(1, Ordering::Relaxed);
+    /// Notes the end of a tick, or with 0 the end of the place's use.
+    fn note(&self, place: usize, ended_ns: u64) {
+        self.ended_ns[place].store(ended_ns, Ordering::Relaxed);
+    }
+
+    /// Whether a station behind the others has not ended a tick since `before_ns`.
+    fn starves(&self, before_ns: u64) -> bool {
+        let ended_ns = |place: &AtomicU64| place.load(Ordering::Relaxed);
+        self.ended_ns
+            .iter()
+            .map(ended_ns)
+            .any(|ended_ns| ended_ns != 0 && ended_ns < before_ns)
     }
 }
 
@@ -56,7 +75,10 @@ pub(super) struct Precedence {
     second: u64,
     /// Ticks until all long ticks are forgotten: each long tick adds `second / OFTEN`, each tick takes one.
     level: u64,
-    behind: bool,
+    /// Place behind the others; `None` at equal precedence.
+    place: Option<usize>,
+    /// Time without an end of a tick after which the other stations give way, nanoseconds.
+    starved_ns: u64,
 }
 
 impl Precedence {
@@ -67,34 +89,45 @@ impl Precedence {
             long_ns: tick_ns / 4 * 3,
             second: 1_000_000_000 / tick_ns,
             level: 0,
-            behind: false,
+            place: None,
+            starved_ns: tick_ns * STARVED_PERIODS,
         }
     }
 
-    /// Takes the CPU time of a tick. Returns the SCHED_FIFO priority that the thread needs from now on, if it changes.
-    pub fn took(&mut self, cpu_ns: u64) -> Option<i32> {
+    /// Takes the CPU time of a tick that ended at `ended_ns` of the monotonic clock. Returns the SCHED_FIFO priority
+    /// that the thread needs from now on, if it changes.
+    pub fn took(&mut self, cpu_ns: u64, ended_ns: u64) -> Option<i32> {
         self.level = if cpu_ns > self.long_ns {
             (self.level + self.second / OFTEN).min(STAY_S * self.second)
         } else {
             self.level.saturating_sub(1)
         };
-        if self.behind && self.level == 0 {
-            self.behind = false;
-            self.places.give_back();
-            return Some(PRIORITY);
-        }
-        if !self.behind && self.level > ENTER_S * self.second && self.places.take() {
-            self.behind = true;
-            return Some(BEHIND);
+        match self.place {
+            Some(place) if self.level == 0 => {
+                self.place = None;
+                self.places.note(place, 0);
+                return Some(PRIORITY);
+            }
+            Some(place) => self.places.note(place, ended_ns),
+            None if self.level > ENTER_S * self.second => {
+                self.place = self.places.take(ended_ns);
+                return self.place.map(|_| BEHIND);
+            }
+            None => {}
         }
         None
+    }
+
+    /// Whether this station leaves out its next grid point at `now_ns`, because a station behind the others starves.
+    pub fn gives_way(&self, now_ns: u64) -> bool {
+        self.place.is_none() && self.places.starves(now_ns.saturating_sub(self.starved_ns))
     }
 }
 
 impl Drop for Precedence {
     fn drop(&mut self) {
-        if self.behind {
-            self.places.give_back();
+        if let Some(place) = self.place {
+            self.places.note(place, 0);
         }
     }
 }
@@ -108,7 +141,9 @@ mod tests {
         let mut precedence = Precedence::new(1_000_000, Arc::new(Places::of(1)));
         let took = |tick| {
             let cpu_ns = 750_000 + u64::from(is_long(tick));
-            precedence.took(cpu_ns).map(|priority| (tick, priority))
+            precedence
+                .took(cpu_ns, tick)
+                .map(|priority| (tick, priority))
         };
         (0..60_000).filter_map(took).collect()
     }
@@ -127,7 +162,7 @@ mod tests {
         let places = Arc::new(Places::of(16));
         let behind = || {
             let mut precedence = Precedence::new(1_000_000, places.clone());
-            let changed = (0..100).find_map(|_| precedence.took(1_000_000));
+            let changed = (0..100).find_map(|_| precedence.took(1_000_000, 1));
             (precedence, changed)
         };
         let (first, second, third) = (behind(), behind(), behind());
@@ -137,6 +172,22 @@ mod tests {
         drop(first);
         drop(third);
         assert_eq!(behind().1, Some(BEHIND));
+    }
+
+    /// On a full core a station behind the others once waited a second for the end of its tick.
+    #[test]
+    fn the_others_give_way_to_a_station_that_starves() {
+        let places = Arc::new(Places::of(8));
+        let of = || Precedence::new(1_000_000, places.clone());
+        let (mut behind, other) = (of(), of());
+        assert!((0..100).any(|_| behind.took(1_000_000, 7_000_000) == Some(BEHIND)));
+        assert!(!other.gives_way(12_000_000));
+        assert!(other.gives_way(12_000_001));
+        assert!(!behind.gives_way(12_000_001), "it needs the core itself");
+        behind.took(1_000_000, 12_000_000);
+        assert!(!other.gives_way(17_000_000));
+        drop(behind);
+        assert!(!other.gives_way(u64::MAX), "the place is free");
     }
 
     #[test]

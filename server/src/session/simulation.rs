@@ -195,12 +195,7 @@ impl Ticker {
             self.look_for_clearance(&output);
         }
         self.chooser.took(cpu_ns);
-        if let Some(priority) = self.precedence.took(cpu_ns)
-            && self.link.real_time
-        {
-            // A thread without the right to a priority has none to change.
-            let _ = fifo(priority);
-        }
+
         self.metrics.skipped += u64::from(skipped);
         self.metrics.late += u64::from(self.grid.ended(wall, wall_end));
         let times = TickTimes {
@@ -208,6 +203,15 @@ impl Ticker {
             cpu_ns,
             wall_ns: wall_end.saturating_sub(wall),
         };
+        if self.link.real_time {
+            if let Some(priority) = self.precedence.took(cpu_ns, wall_end) {
+                // A thread without the right to a priority has none to change.
+                let _ = fifo(priority);
+            }
+            if self.precedence.gives_way(wall_end) {
+                self.grid.leave_out();
+            }
+        }
         self.metrics.tick(times, &output);
     }
 

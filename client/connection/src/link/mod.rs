@@ -43,6 +43,8 @@ pub use transport::client_config;
 use stats::Shared;
 use sulcus_link::Bell;
 
+/// Timeout for the last packets after the close of a connection.
+pub(crate) const LAST_PACKETS: Duration = Duration::from_millis(500);
 /// Timeout for the goodbye after a stop. In this time the server finishes and signs the recording.
 const GOODBYE: Duration = Duration::from_secs(20);
 

@@ -2,7 +2,6 @@
 
 use std::sync::Arc;
 use std::sync::mpsc::{SyncSender, sync_channel};
-use std::time::Duration;
 
 use quinn::{Connection, Endpoint, RecvStream, SendStream};
 use sulcus_link::Bell;
@@ -19,12 +18,12 @@ use super::handshake::{Welcome, shake};
 use super::network::Network;
 use super::returning::Returning;
 use super::stats::Shared;
-use super::{Link, LinkConfig, LinkError, PosePacket, Watchdog, WrenchPacket, control, now_ns};
+use super::{
+    LAST_PACKETS, Link, LinkConfig, LinkError, PosePacket, Watchdog, WrenchPacket, control, now_ns,
+};
 
 /// Largest number of messages that wait to be written.
 const MESSAGES: usize = 64;
-/// Timeout for the last packets after the close.
-const LAST_PACKETS: Duration = Duration::from_millis(500);
 
 /// Starts a link on `network` and waits for the result of the handshake.
 pub(super) fn spawn(config: LinkConfig, network: Arc<Network>) -> Result<Link, LinkError> {

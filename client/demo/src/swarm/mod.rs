@@ -206,8 +206,8 @@ fn one(args: &SwarmArgs, stations: usize, steps: &Steps) -> anyhow::Result<Swarm
 /// Performs one session at each seat, at the same time. Returns the sessions and the sentences of refused seats. The
 /// last `leaps` devices leap at random.
 ///
-/// One thread moves [`SHARED`] hands and one thread carries their packets: the hands share the machine with an embedded
-/// server, and threads of their own would cost it a core at 16 stations.
+/// Up to [`SHARED`] hands have a thread in common, and their packets another. The hands use the machine of an embedded
+/// server: at 16 stations a thread for each hand costs that machine a core.
 fn perform_all(
     hands: Vec<Prepared>,
     leaps: usize,

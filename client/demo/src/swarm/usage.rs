@@ -61,25 +61,18 @@ impl Meter {
                     memory_mb: memory_mb(),
                     ..Usage::default()
                 };
-                for (
-                    id,
-                    Reading {
-                        name,
-                        ticks,
-                        wait_ns,
-                    },
-                ) in &newest
-                {
+                for (id, reading) in &newest {
                     let earlier = before.get(id);
-                    let ticks = ticks.saturating_sub(earlier.map_or(0, |earlier| earlier.ticks));
+                    let (ticks, wait_ns) =
+                        earlier.map_or((0, 0), |earlier| (earlier.ticks, earlier.wait_ns));
+                    let ticks = reading.ticks.saturating_sub(ticks);
                     let percent = 100.0 * ticks as f64 / ticks_per_s() / wall_s;
                     usage.cpu_percent += percent;
-                    if SERVER.iter().any(|begin| name.starts_with(begin)) {
+                    if SERVER.iter().any(|begin| reading.name.starts_with(begin)) {
                         usage.server_percent += percent;
                     }
-                    if name.starts_with(SIMULATION) {
-                        let earlier = earlier.map_or(0, |earlier| earlier.wait_ns);
-                        let wait_ns = wait_ns.saturating_sub(earlier);
+                    if reading.name.starts_with(SIMULATION) {
+                        let wait_ns = reading.wait_ns.saturating_sub(wait_ns);
                         usage.waited_percent += 100.0 * wait_ns as f64 / 1e9 / wall_s;
                     }
                 }
