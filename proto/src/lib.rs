@@ -52,7 +52,7 @@ pub use ticket::Ticket;
 pub const ALPN: &[u8] = b"sulcus/1";
 
 /// Version of every message: first byte of each datagram and of the body of each control frame.
-pub const PROTOCOL_VERSION: u8 = 3;
+pub const PROTOCOL_VERSION: u8 = 4;
 
 /// Number of tool slots in every datagram: one slot per hand.
 pub const TOOLS: usize = 2;

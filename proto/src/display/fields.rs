@@ -16,6 +16,7 @@ fn seen_in_scene(scene: &DisplayScene) -> usize {
             name: _, // of the scene file
             mesh,
             bands,
+            glass: _,    // visible
             tip: _,      // visible
             tip_axis: _, // visible
             park:

@@ -17,6 +17,17 @@ pub enum Triangles {
     Large(Vec<[u32; 3]>),
 }
 
+/// Finish of a surface at a vertex. A display without a finish chooses one by the kind of the object.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Finish {
+    /// Perceptual roughness of the highlight, 255ths: 0 is a mirror. A screen squares it for the width of the highlight.
+    pub roughness: u8,
+    /// Depth of the stippling, 255ths of the deepest.
+    pub stipple: u8,
+    /// Share of light that passes a thin edge, 255ths.
+    pub thin: u8,
+}
+
 /// Triangle mesh for display. Vertices lie on a grid: rounding moves a vertex by at most half a step along each axis.
 /// A tooth's step is 0.4 um, a whole jaw's 1.5 um.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -32,6 +43,8 @@ pub struct DisplayMesh {
     pub colour: [u8; 4],
     /// Colours of the vertices, sRGB with alpha: one for each vertex, or none for a mesh of one colour.
     pub vertex_colours: Vec<[u8; 4]>,
+    /// Finishes of the vertices: one for each vertex, or none.
+    pub finishes: Vec<Finish>,
 }
 
 impl DisplayMesh {
@@ -85,9 +98,20 @@ impl DisplayMesh {
             },
             colour,
             vertex_colours: vertex_colours.to_vec(),
+            finishes: Vec::new(),
         };
         mesh.check()?;
         Ok(mesh)
+    }
+
+    /// The same mesh with a finish for each vertex.
+    ///
+    /// # Errors
+    /// The finishes do not fit the vertices.
+    pub fn with_finishes(mut self, finishes: Vec<Finish>) -> Result<Self, CodecError> {
+        self.finishes = finishes;
+        self.check()?;
+        Ok(self)
     }
 
     /// Number of vertices.
@@ -146,6 +170,11 @@ impl DisplayMesh {
         rule(
             coloured == 0 || coloured == n,
             "a mesh has neither one colour for each vertex nor none",
+        )?;
+        let finished = self.finishes.len();
+        rule(
+            finished == 0 || finished == n,
+            "a mesh has neither one finish for each vertex nor none",
         )
     }
 }

@@ -80,6 +80,17 @@ pub struct DisplayBand {
     pub dark: bool,
 }
 
+/// Reflecting face of a mouth mirror: a flat disc in the tool's frame.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct DisplayGlass {
+    /// Middle of the disc, metres.
+    pub centre: [f32; 3],
+    /// Unit normal, out of the reflecting side.
+    pub normal: [f32; 3],
+    /// Radius of the disc, metres.
+    pub radius: f32,
+}
+
 /// Tool in a hand.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct DisplayTool {
@@ -89,6 +100,8 @@ pub struct DisplayTool {
     pub mesh: DisplayMesh,
     /// Bands of a probe; empty for other tools.
     pub bands: Vec<DisplayBand>,
+    /// Glass of a mirror; `None` for other tools.
+    pub glass: Option<DisplayGlass>,
     /// Outermost point of the tip, in the tool's frame, metres.
     pub tip: [f32; 3],
     /// Unit vector along the working end, pointing out of the tip, in the tool's frame.
@@ -156,7 +169,14 @@ impl DisplayScene {
             let ends = tool.bands.iter().flat_map(|band| [band.from, band.to]);
             let places = tool.tip.iter().chain(&tool.tip_axis);
             let park = tool.park.position.iter().chain(&tool.park.orientation);
-            let numbers: Vec<f32> = places.chain(park).copied().chain(ends).collect();
+            let glass = tool.glass.iter();
+            let glass = glass.flat_map(|g| g.centre.into_iter().chain(g.normal).chain([g.radius]));
+            let numbers: Vec<f32> = places
+                .chain(park)
+                .copied()
+                .chain(ends)
+                .chain(glass)
+                .collect();
             finite("a number of a tool", &numbers)?;
         }
         for object in &self.objects {

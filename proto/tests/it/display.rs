@@ -40,6 +40,7 @@ fn scene() -> DisplayScene {
         tools: vec![DisplayTool {
             name: "probe".into(),
             mesh: mesh(),
+            glass: None,
             bands: vec![DisplayBand {
                 from: 0.0,
                 to: 0.003,

@@ -16,6 +16,7 @@ use sulcus_proto::display::{
 use sulcus_scene::anatomy::mouth::{DrawnGingiva, drawn_gingivae};
 
 use crate::clipped::Pocket;
+use crate::glass::glass;
 use crate::handles::{self, Place};
 
 /// Angles of the sites of a gingiva that is a mesh, degrees from mesial over buccal.
@@ -109,6 +110,7 @@ fn tool(tool: &Tool) -> Result<DisplayTool, CodecError> {
         name: tool.name.clone(),
         mesh: on_grid(&tool.mesh)?,
         bands: tool.bands.iter().map(band).collect(),
+        glass: glass(tool),
         tip: f32s(&tool.tip),
         tip_axis: f32s(&tool.tip_axis),
         park: wire_pose(&tool.park),

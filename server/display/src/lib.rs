@@ -24,6 +24,7 @@
 mod clipped;
 mod display;
 mod frames;
+mod glass;
 mod handles;
 mod spots;
 

@@ -18,6 +18,8 @@ fn scene() -> DisplayScene {
         tools: vec![DisplayTool {
             name: "ball".into(),
             mesh,
+            glass: None,
+            glass: None,
             bands: vec![],
             tip: [0.0; 3],
             tip_axis: [0.0, 0.0, -1.0],

@@ -2,5 +2,6 @@
 
 mod common;
 mod frames;
+mod glass;
 mod hidden;
 mod shapes;
