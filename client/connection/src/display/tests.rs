@@ -19,7 +19,6 @@ fn scene() -> DisplayScene {
             name: "ball".into(),
             mesh,
             glass: None,
-            glass: None,
             bands: vec![],
             tip: [0.0; 3],
             tip_axis: [0.0, 0.0, -1.0],
