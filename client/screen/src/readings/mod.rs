@@ -7,6 +7,7 @@
 //! A confirmed entry is in the recording for good. After an undo the site is confirmed anew, and the later entry
 //! counts, as for a person who corrects a called number.
 
+mod answer;
 mod entry;
 mod key;
 pub mod number;
@@ -15,6 +16,7 @@ mod site;
 #[cfg(test)]
 mod tests;
 
+pub use answer::{Field, Heard, Wrong};
 pub use entry::{
     Draft, Entry, MOST_ABOVE_MM, MOST_DEPTH_MM, MOST_FURCATION, MOST_RECESSION_MM, READING_CALLED,
 };
@@ -22,57 +24,8 @@ pub use key::Key;
 pub use pedal::{Pedal, PedalRule};
 pub use site::{Site, Stop};
 
-use std::collections::BTreeMap;
-
 /// Largest number of keys that can be taken back. Chosen: ten keys at each site of a whole mouth.
 const MOST_UNDONE: usize = 2000;
-
-/// Finding that takes the next digit.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Field {
-    /// Probing depth.
-    #[default]
-    Depth,
-    /// Recession.
-    Recession {
-        /// Whether the margin lies above the cemento-enamel junction.
-        above: bool,
-        /// Distance typed so far, mm.
-        mm: Option<u8>,
-    },
-    /// Grade of the furcation.
-    Furcation,
-}
-
-/// Answer to a key.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Heard {
-    /// The key changed the findings, the field or the site.
-    Taken,
-    /// The findings of a site are confirmed: an event for the recording.
-    Confirmed(Entry),
-    /// The key changed nothing.
-    Wrong(Wrong),
-}
-
-/// Reason why a key changed nothing.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Wrong {
-    /// The tour has ended.
-    Ended,
-    /// The number would leave its range.
-    OutOfRange,
-    /// The sign belongs to a recession, before its digits.
-    SignOutOfPlace,
-    /// A furcation lies in the middle of a side.
-    Proximal,
-    /// The site has findings but no depth.
-    NoDepth,
-    /// There is no key to take back.
-    NothingToUndo,
-    /// The first site has none before it.
-    AtStart,
-}
 
 /// Part of the state that a key changes and an undo restores.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -93,8 +46,8 @@ pub struct Readings {
     field: Field,
     /// States before the last keys, oldest first.
     before: Vec<Step>,
-    /// Last entry of each confirmed site.
-    sent: BTreeMap<Stop, Entry>,
+    /// Last entry of each confirmed site, oldest first.
+    sent: Vec<Entry>,
 }
 
 impl Readings {
@@ -106,7 +59,7 @@ impl Readings {
             position: 0,
             field: Field::Depth,
             before: Vec::new(),
-            sent: BTreeMap::new(),
+            sent: Vec::new(),
         }
     }
 
@@ -135,14 +88,14 @@ impl Readings {
         (self.position, self.tour.len())
     }
 
-    /// Last entry of each confirmed site, by tooth and site.
+    /// Last entry of each confirmed site, in the order of confirmation.
     pub fn entries(&self) -> impl Iterator<Item = &Entry> {
-        self.sent.values()
+        self.sent.iter()
     }
 
     /// Last entry at `stop`; `None` before the first confirmation.
     pub fn entry(&self, stop: Stop) -> Option<&Entry> {
-        self.sent.get(&stop)
+        self.sent.iter().find(|entry| entry.stop == stop)
     }
 
     /// Takes in a key.
@@ -238,13 +191,14 @@ impl Readings {
         }
         self.position += 1;
         self.field = Field::Depth;
-        let earlier = self.sent.get(&stop);
+        let earlier = self.entry(stop);
         let entry = said.map(|said| said.after(earlier));
         // The same findings again are no new event.
         let Some(entry) = entry.filter(|entry| earlier != Some(entry)) else {
             return Ok(None);
         };
-        self.sent.insert(stop, entry);
+        self.sent.retain(|earlier| earlier.stop != stop);
+        self.sent.push(entry);
         Ok(Some(entry))
     }
 }
