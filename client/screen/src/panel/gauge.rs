@@ -69,7 +69,10 @@ pub fn gauge(canvas: &mut Canvas, rows: &mut Area, tool: &ToolForce, strings: &S
     }
     let gap = (0.25 * size.height()).floor();
     rows.cut_top(gap);
-    if let (Some(zone), Some(graph)) = (tool.zone_n, rows.cut_top(1.5 * canvas.metrics.row)) {
+    let Some(zone) = tool.zone_n else {
+        return;
+    };
+    if let Some(graph) = rows.cut_top(1.5 * canvas.metrics.row) {
         trace(canvas, graph, tool, zone.map(share), share);
         rows.cut_top(gap);
     }

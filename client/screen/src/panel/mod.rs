@@ -15,6 +15,7 @@ mod canvas;
 mod colour;
 mod exam;
 mod gauge;
+mod lesson;
 mod mark;
 mod next;
 mod practice;
@@ -28,6 +29,7 @@ mod words;
 
 pub use canvas::Area;
 pub use colour::Rgba;
+pub use lesson::lesson;
 pub use next::Next;
 pub use primitive::{Primitive, Quad, quads, used};
 pub use state::{

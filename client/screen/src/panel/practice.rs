@@ -1,6 +1,6 @@
 //! Panel of practice: a column at the right of the picture.
 
-use super::canvas::{Area, Canvas};
+use super::canvas::{Area, Canvas, Metrics};
 use super::colour::{GREY, GROUND, WHITE, YELLOW};
 use super::gauge::gauge;
 use super::next::Next;
@@ -16,6 +16,13 @@ const SHARES: [f32; 2] = [0.22, 0.4];
 /// Largest number of rows of the next step, and of the task.
 const ROWS: [usize; 2] = [4, 6];
 
+/// Width of the column in an area of `width`, pixels.
+pub fn column_width(metrics: &Metrics, width: f32) -> f32 {
+    let [share, most] = SHARES.map(|share| share * width);
+    let wanted = COLUMNS * metrics.size.advance() + 2.0 * metrics.pad;
+    wanted.max(share).min(most)
+}
+
 /// Adds the panel of practice, and returns the area that is left for the picture.
 pub fn practice(
     canvas: &mut Canvas,
@@ -26,9 +33,7 @@ pub fn practice(
     let items = status::items(&state.status, state.help.detail, strings);
     status::strip(canvas, &mut area, &items, false);
     let metrics = canvas.metrics;
-    let [share, most] = SHARES.map(|share| share * area.width());
-    let wanted = COLUMNS * metrics.size.advance() + 2.0 * metrics.pad;
-    if let Some(column) = area.cut_right(wanted.max(share).min(most)) {
+    if let Some(column) = area.cut_right(column_width(&metrics, area.width())) {
         canvas.rect(column, GROUND);
         let mut rows = column.inset(metrics.pad);
         head(
@@ -133,6 +138,12 @@ fn foot(canvas: &mut Canvas, rows: &mut Area, state: &PanelState, strings: &Stri
     }
     let entries = state.tour.iter().flat_map(|tour| tour.entries.iter().rev());
     for entry in entries {
-        canvas.line(rows, &words::entry(entry, strings), Weight::Regular, WHITE);
+        canvas.paragraph(
+            rows,
+            &words::entry(entry, strings),
+            2,
+            Weight::Regular,
+            WHITE,
+        );
     }
 }

@@ -3,7 +3,7 @@
 use super::trace::Trace;
 use crate::readings::{Draft, Entry, Field, Readings, Stop, Wrong};
 
-/// Least force of a contact, newtons. Below it a gauge says "no contact". Chosen: a tenth of the lightest taught force.
+/// Least force of a contact, newtons. A gauge calls a smaller force "no contact". Chosen: a tenth of the lightest taught force.
 pub const CONTACT_N: f64 = 0.01;
 
 /// Purpose of a session.
@@ -54,9 +54,9 @@ pub struct Clock {
 /// State of a tour.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Tour {
-    /// Site to be read; `None` at the end.
+    /// Present site, to be read; `None` at the end.
     pub stop: Option<Stop>,
-    /// Site after it.
+    /// Site after the present one.
     pub following: Option<Stop>,
     /// Number of the site from 0 on.
     pub number: usize,

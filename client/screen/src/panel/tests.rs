@@ -250,6 +250,53 @@ fn longer_words_find_room() {
     }
 }
 
+/// Lesson of three tasks on a probe with marks at each millimetre, answered `off` millimetres from the right number.
+fn answered(off: &[i16]) -> crate::trainer::Lesson {
+    use crate::trainer::{Lesson, Rule};
+    let mark = |k: u8| sulcus_proto::display::DisplayBand {
+        from: f32::from(k) * 1e-3,
+        to: f32::from(k + 1) * 1e-3,
+        dark: k == 4,
+    };
+    let bands: Vec<_> = (3..10).map(mark).collect();
+    let mut lesson = Lesson::new(&bands, Rule::default(), 4, 3).expect("bands");
+    for off in off {
+        let right = lesson
+            .task()
+            .map(|task| Rule::default().whole_mm(task.tenths));
+        let said = i16::from(right.expect("a task")) + off;
+        lesson.answer(u8::try_from(said).expect("a depth"));
+    }
+    lesson
+}
+
+#[test]
+fn a_lesson_asks_and_in_practice_says_what_was_right() {
+    for window in WINDOWS {
+        for scale in [1.0, 2.0, 3.0] {
+            let all = |off: &[i16], mode| {
+                let panel = lesson(&answered(off), mode, window, scale, &ENGLISH);
+                check(&panel, window, "a lesson");
+                texts(&panel).join(" ")
+            };
+            let first = all(&[], Mode::Practice);
+            assert!(first.starts_with("Task 1 of 3 Which depth"), "{first}");
+            assert_eq!(first, all(&[], Mode::Exam));
+            let wrong = all(&[1], Mode::Practice);
+            assert!(wrong.contains("would be right"), "{wrong}");
+            assert!(all(&[0], Mode::Practice).contains("Right:"));
+            assert_eq!(all(&[1], Mode::Exam), all(&[0], Mode::Exam));
+            let end = all(&[0, 2, 0], Mode::Practice);
+            assert!(
+                end.contains("67 % right, 67 %") && end.contains("+0.7 mm"),
+                "{end}"
+            );
+            assert!(end.contains("too deep"), "{end}");
+            assert_eq!(all(&[0, 2, 0], Mode::Exam), "The lesson is over.");
+        }
+    }
+}
+
 proptest! {
     #[test]
     fn any_window_and_any_numbers_stay_inside(

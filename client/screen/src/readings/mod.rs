@@ -12,6 +12,7 @@ mod entry;
 mod key;
 pub mod number;
 pub mod pedal;
+mod place;
 mod site;
 #[cfg(test)]
 mod tests;
@@ -22,6 +23,7 @@ pub use entry::{
 };
 pub use key::Key;
 pub use pedal::{Pedal, PedalRule};
+pub use place::Place;
 pub use site::{Site, Stop};
 
 /// Largest number of keys that can be taken back. Chosen: ten keys at each site of a whole mouth.

@@ -164,7 +164,7 @@ proptest! {
                 Heard::Taken | Heard::Confirmed(_) if key != Key::Undo => {
                     let mut back = readings.clone();
                     prop_assert_eq!(back.press(Key::Undo), Heard::Taken);
-                    // What was sent stays in the recording.
+                    // A confirmed entry stays in the recording.
                     back.sent = before.sent.clone();
                     prop_assert_eq!(&back, &before);
                 }

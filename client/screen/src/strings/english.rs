@@ -1,6 +1,6 @@
 //! English.
 
-use super::{Findings, Refusals, StatusWords, Steps, Strings};
+use super::{Findings, LessonWords, Refusals, StatusWords, Steps, Strings};
 
 /// English words.
 pub const ENGLISH: Strings = Strings {
@@ -72,5 +72,22 @@ pub const ENGLISH: Strings = Strings {
         detail: ["Picture: low", "Picture: lowest"],
         no_force: "No force device: {0}",
         slow_picture: "The picture is late",
+    },
+    lesson: LessonWords {
+        progress: "Task {0} of {1}",
+        question: "Which depth does the probe show at the gingival margin?",
+        rules: [
+            "Whole millimetres, the nearest one. Exactly half goes up.",
+            "Whole millimetres, always rounded up.",
+            "Whole millimetres, only completed ones.",
+        ],
+        right: "Right: {0} mm.",
+        wrong: "{0} mm would be right, not {1}. The margin lies at {2} mm.",
+        ended: "The lesson is over.",
+        grade: "{0} % right, {1} % within 1 mm, mean error {2} mm.",
+        leanings: [
+            "Most wrong answers are too deep.",
+            "Most wrong answers are too shallow.",
+        ],
     },
 };

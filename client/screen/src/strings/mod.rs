@@ -44,6 +44,29 @@ pub struct Strings {
     pub refusals: Refusals,
     /// State of link, recording, pause and force.
     pub status: StatusWords,
+    /// Band trainer.
+    pub lesson: LessonWords,
+}
+
+/// Words of the band trainer.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct LessonWords {
+    /// Number 0 of 1 tasks.
+    pub progress: &'static str,
+    /// Question of a task.
+    pub question: &'static str,
+    /// Rules of rounding, in the order of [`crate::trainer::Rule::ALL`].
+    pub rules: [&'static str; 3],
+    /// The last answer is right: 0 is the number.
+    pub right: &'static str,
+    /// The last answer is wrong: 0 is the right number, 1 the answer, 2 the length in millimetres.
+    pub wrong: &'static str,
+    /// End of the lesson.
+    pub ended: &'static str,
+    /// Grade: 0 and 1 are percent right and within 1 mm, 2 the mean error with its sign, mm.
+    pub grade: &'static str,
+    /// Side of the wrong answers: too deep, too shallow.
+    pub leanings: [&'static str; 2],
 }
 
 /// Sentences of the next step, as a teacher speaks them.

@@ -3,11 +3,16 @@
 //! No force and no device are needed. A [`Lesson`] is a seeded series of tasks for the bands of one probe. A [`Task`]
 //! is the length of the probe below the gingival margin. A [`Rule`] turns the length into the number that is right.
 
+mod answer;
 mod chance;
+mod grade;
 mod rule;
 
+pub use answer::{Answer, BAND_READ};
+pub use grade::{Leaning, LessonGrade};
 pub use rule::Rule;
 
+use crate::readings::{Key, number};
 use chance::Chance;
 use sulcus_proto::display::DisplayBand;
 
@@ -54,30 +59,14 @@ pub enum LessonError {
     NoBands,
 }
 
-/// Answer to a task.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Answer {
-    /// Task.
-    pub task: Task,
-    /// Number that the rule calls right, mm.
-    pub right_mm: u8,
-    /// Number that was answered, mm.
-    pub said_mm: u8,
-}
-
-impl Answer {
-    /// Answered minus right number, mm; positive for too deep.
-    pub fn error_mm(&self) -> i16 {
-        i16::from(self.said_mm) - i16::from(self.right_mm)
-    }
-}
-
 /// Series of tasks with their answers.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Lesson {
     rule: Rule,
     tasks: Vec<Task>,
     answers: Vec<Answer>,
+    /// Number that is being typed, mm.
+    typed: Option<u8>,
 }
 
 impl Lesson {
@@ -111,6 +100,7 @@ impl Lesson {
             rule,
             tasks,
             answers: Vec::new(),
+            typed: None,
         })
     }
 
@@ -141,11 +131,33 @@ impl Lesson {
         let right_mm = self.rule.whole_mm(task.tenths);
         let answer = Answer {
             task,
+            rule: self.rule,
             right_mm,
             said_mm,
         };
         self.answers.push(answer);
+        self.typed = None;
         Some(answer)
+    }
+
+    /// Number that is being typed, mm.
+    pub fn typed(&self) -> Option<u8> {
+        self.typed
+    }
+
+    /// Takes in a key, the same as of readings: digits or a count, undo for the whole number, next for the answer.
+    /// Other keys change nothing. Returns the answer that the key completes.
+    pub fn press(&mut self, key: Key) -> Option<Answer> {
+        match key {
+            Key::Digit(digit) if self.task().is_some() => {
+                self.typed = number::typed(self.typed, digit, MOST_MM).or(self.typed);
+            }
+            Key::Count(mm) if self.task().is_some() && mm <= MOST_MM => self.typed = Some(mm),
+            Key::Undo | Key::Depth => self.typed = None,
+            Key::Next => return self.answer(self.typed?),
+            _ => {}
+        }
+        None
     }
 
     /// Answers so far, in order.
@@ -156,62 +168,6 @@ impl Lesson {
     /// Grade of the answers so far; `None` before the first.
     pub fn grade(&self) -> Option<LessonGrade> {
         LessonGrade::of(&self.answers)
-    }
-}
-
-/// Side to which wrong answers lean.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Leaning {
-    /// As many wrong answers are too deep as too shallow, or none is wrong.
-    Neither,
-    /// More wrong answers are too deep.
-    Deep,
-    /// More wrong answers are too shallow.
-    Shallow,
-}
-
-/// Grade of a lesson.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct LessonGrade {
-    /// Number of answers.
-    pub answers: usize,
-    /// Share of right answers, 0 to 1.
-    pub right: f64,
-    /// Share of answers with an error of at most 1 mm, 0 to 1.
-    pub within_1_mm: f64,
-    /// Mean of answered minus right number, mm; positive for too deep.
-    pub mean_error_mm: f64,
-    /// Number of answers that are too deep.
-    pub deep: usize,
-    /// Number of answers that are too shallow.
-    pub shallow: usize,
-}
-
-impl LessonGrade {
-    fn of(answers: &[Answer]) -> Option<Self> {
-        if answers.is_empty() {
-            return None;
-        }
-        let errors = || answers.iter().map(Answer::error_mm);
-        let count = |of: fn(i16) -> bool| errors().filter(|mm| of(*mm)).count();
-        let share = |part: usize| part as f64 / answers.len() as f64;
-        Some(Self {
-            answers: answers.len(),
-            right: share(count(|mm| mm == 0)),
-            within_1_mm: share(count(|mm| mm.abs() <= 1)),
-            mean_error_mm: errors().map(f64::from).sum::<f64>() / answers.len() as f64,
-            deep: count(|mm| mm > 0),
-            shallow: count(|mm| mm < 0),
-        })
-    }
-
-    /// Side to which the wrong answers lean.
-    pub fn leaning(&self) -> Leaning {
-        match self.deep.cmp(&self.shallow) {
-            std::cmp::Ordering::Equal => Leaning::Neither,
-            std::cmp::Ordering::Greater => Leaning::Deep,
-            std::cmp::Ordering::Less => Leaning::Shallow,
-        }
     }
 }
 

@@ -112,3 +112,23 @@ fn the_rule_decides_who_is_right() {
         (Leaning::Deep, 0)
     );
 }
+
+#[test]
+fn a_lesson_is_answered_with_the_keys_of_readings() {
+    let mut lesson = lesson(11, 3);
+    let mut answers = Vec::new();
+    for key in "7u12b3\r\rx4-\r<n".chars().filter_map(Key::from_char) {
+        answers.extend(lesson.press(key).map(|answer| answer.said_mm));
+    }
+    // Without a number, return is no answer.
+    assert_eq!((answers, lesson.typed()), (vec![12, 4], None));
+    assert_eq!(lesson.press(Key::Count(21)), None);
+    assert_eq!(lesson.typed(), None);
+    lesson.press(Key::Count(20));
+    assert_eq!(
+        lesson.press(Key::Next).map(|answer| answer.said_mm),
+        Some(20)
+    );
+    lesson.press(Key::Digit(3));
+    assert_eq!((lesson.task(), lesson.typed()), (None, None));
+}
