@@ -3,7 +3,8 @@
 use super::trace::Trace;
 use crate::readings::{Draft, Entry, Field, Readings, Stop, Wrong};
 
-/// Least force of a contact, newtons. A gauge calls a smaller force "no contact". Chosen: a tenth of the lightest taught force.
+/// Least force of a contact, newtons. A gauge calls a smaller force "no contact". Chosen: a tenth of the lightest force
+/// that is taught.
 pub const CONTACT_N: f64 = 0.01;
 
 /// Purpose of a session.
@@ -148,15 +149,17 @@ impl Status {
     }
 }
 
-/// Detail of the picture, as the governor of the frame time sets it.
+/// Detail of the picture, from the best to the cheapest, as the governor of the frame time sets it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Detail {
-    /// No reduction worth a word.
+    /// Full detail, worth no word.
     #[default]
     Full,
-    /// Lighting per vertex.
+    /// Smaller shadows, no smoothed edges.
+    Plain,
+    /// Light for each vertex, no shadows.
     Low,
-    /// Merged meshes.
+    /// Light for each vertex of coarser meshes.
     Lowest,
 }
 

@@ -59,12 +59,14 @@ pub fn items(status: &Status, detail: Detail, strings: &Strings) -> Vec<Item> {
         None => words.limit_of_scene.into(),
     };
     let mut items = vec![link, recording, pause, Item::plain(limit, Weight::Regular)];
-    let [low, lowest] = words.detail;
-    match detail {
-        Detail::Full => {}
-        Detail::Low => items.push(Item::plain(low.into(), Weight::Regular)),
-        Detail::Lowest => items.push(Item::plain(lowest.into(), Weight::Regular)),
-    }
+    let [plain, low, lowest] = words.detail;
+    let detail = match detail {
+        Detail::Full => None,
+        Detail::Plain => Some(plain),
+        Detail::Low => Some(low),
+        Detail::Lowest => Some(lowest),
+    };
+    items.extend(detail.map(|text| Item::plain(text.into(), Weight::Regular)));
     items
 }
 

@@ -69,7 +69,7 @@ pub const ENGLISH: Strings = Strings {
         paused_by_both: "Paused by you and by the instructor",
         limit: "Limit {0} N",
         limit_of_scene: "Limit of the scene",
-        detail: ["Picture: low", "Picture: lowest"],
+        detail: ["Picture: plain", "Picture: low", "Picture: lowest"],
         no_force: "No force device: {0}",
         slow_picture: "The picture is late",
     },

@@ -165,8 +165,8 @@ pub struct StatusWords {
     pub limit: &'static str,
     /// Force limit of the scene.
     pub limit_of_scene: &'static str,
-    /// Picture in less detail: low, lowest.
-    pub detail: [&'static str; 2],
+    /// Picture in less detail: plain, low, lowest.
+    pub detail: [&'static str; 3],
     /// No force is displayed: 0 is the device.
     pub no_force: &'static str,
     /// The picture is late.
