@@ -1,7 +1,9 @@
 //! The student's screen: pictures of a session, in a window or in memory.
 //!
-//! [`Stage`](stage::Stage) holds the meshes of a display scene, [`Moment`](moment::Moment) everything that moves at an
-//! instant, [`Camera`](camera::Camera) the view. [`gpu`] draws them by a graphics adapter, hardware or software.
+//! - [`stage::Stage`] holds the meshes of a display scene, [`moment::Moment`] everything that moves at an instant,
+//!   [`camera::Camera`] the view. The module `gpu` draws them by a graphics adapter, hardware or software.
+//! - [`panel`] lays out gauges and texts, [`readings`] takes findings by keys and pedals, [`trainer`] is a lesson in
+//!   reading the bands of a probe. These modules draw nothing and know no window.
 //!
 //! Lengths are millimetres, world axes: x anterior, y to the patient's left, z up.
 
@@ -18,6 +20,11 @@ pub mod moment;
 mod motion;
 mod normals;
 mod occlusion;
+pub mod panel;
 pub mod quality;
+pub mod readings;
 pub mod stage;
+pub mod strings;
+pub mod text;
+pub mod trainer;
 pub mod views;
