@@ -44,10 +44,10 @@ recording is not complete), 2 wrong usage or bad input.";
 pub enum Command {
     /// Run one whole session against an embedded server: recorded, replayed, graded
     #[command(after_long_help = EXAMPLES)]
-    Demo(DemoArgs),
+    Demo(WithView<DemoArgs>),
     /// Join a running server
     #[command(after_long_help = EXAMPLES)]
-    Run(RunArgs),
+    Run(WithView<RunArgs>),
     /// Run simulated hands on many stations at once, and measure the load of the machine
     #[command(after_long_help = EXAMPLES)]
     Swarm(SwarmArgs),
@@ -132,6 +132,45 @@ fn size(text: &str) -> Result<[u32; 2], String> {
     })
 }
 
+/// Arguments of a session that may have a window.
+#[derive(Clone, Debug, Args)]
+pub struct WithView<A: Args> {
+    /// Arguments of the session.
+    #[command(flatten)]
+    pub session: A,
+    /// Arguments of the window.
+    #[command(flatten)]
+    pub view: ViewArgs,
+}
+
+/// Arguments of a window.
+#[derive(Clone, Debug, Args)]
+pub struct ViewArgs {
+    /// Show the session in a window. Needs a build with `--features view`. Keys: F1 to F6 choose the view, a drag turns,
+    /// the wheel magnifies, Home resets, Tab hides the panel, Escape pauses, w wipes blood away, F11 is full screen.
+    /// Findings: digits, b, s, r, f, u, Return
+    #[arg(long)]
+    pub view: bool,
+    /// First view of the window: overview, front, buccal, lingual, mirror, close-up
+    #[arg(
+        long,
+        value_name = "NAME",
+        default_value = "overview",
+        requires = "view"
+    )]
+    pub camera: String,
+    /// Quality of the window: full, plain, low, lowest. Default: by the graphics adapter, and lowered when pictures
+    /// take too long
+    #[arg(long, value_name = "NAME", requires = "view")]
+    pub quality: Option<String>,
+    /// Flip the window left to right, for a screen that is seen in a half mirror
+    #[arg(long, requires = "view")]
+    pub half_mirror: bool,
+    /// Print frame age and frame time of the window at the end
+    #[arg(long, requires = "view")]
+    pub stats: bool,
+}
+
 /// Arguments of `run`.
 #[derive(Clone, Debug, Args)]
 pub struct RunArgs {
@@ -203,6 +242,9 @@ mod tests {
         let Some(Command::Demo(parsed)) = Cli::parse_from(["sulcus-client", "demo"]).command else {
             panic!("demo")
         };
-        assert_eq!(format!("{parsed:?}"), format!("{:?}", DemoArgs::default()));
+        assert_eq!(
+            format!("{:?}", parsed.session),
+            format!("{:?}", DemoArgs::default())
+        );
     }
 }

@@ -27,8 +27,8 @@ impl Backend {
 }
 
 /// Device of an adapter.
+#[derive(Clone)]
 pub struct Graphics {
-    pub(crate) instance: wgpu::Instance,
     pub(crate) adapter: wgpu::Adapter,
     pub(crate) device: wgpu::Device,
     pub(crate) queue: wgpu::Queue,
@@ -89,7 +89,6 @@ impl Graphics {
             }
         });
         Ok(Self {
-            instance,
             adapter,
             device,
             queue,
