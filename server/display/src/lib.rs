@@ -23,6 +23,7 @@
 
 mod clipped;
 mod display;
+mod dress;
 mod frames;
 mod glass;
 mod handles;

@@ -5,3 +5,4 @@ mod frames;
 mod glass;
 mod hidden;
 mod shapes;
+mod teeth;

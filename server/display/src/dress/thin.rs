@@ -1,0 +1,243 @@
+//! Fewer triangles for the same surface: collapse of edges by quadric errors (Garland and Heckbert 1997).
+//!
+//! A collapse moves a vertex onto its neighbour, so that all remaining vertices lie on the original surface.
+
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
+
+use sulcus_core::Vec3;
+use sulcus_core::math::fmax;
+
+use super::sheet::{Sheet, fullness};
+
+/// Limits of the coarser surface at a place.
+#[derive(Clone, Copy, Debug)]
+pub struct Limits {
+    /// Distance to the planes of the original triangles, root of the mean square.
+    pub off: f64,
+    /// Length of an edge.
+    pub long: f64,
+    /// Cosine of the angle between a triangle and the original surface at its corners.
+    pub turned: f64,
+}
+
+/// Weight of an edge's length against its error: long edges go last, so that triangles stay even.
+const EVEN: f64 = 0.35;
+/// Least fullness of a new triangle.
+const FULL: f64 = 0.22;
+
+/// Collapses edges of a closed surface as long as the limits hold.
+pub fn thin(sheet: &mut Sheet, limits: &dyn Fn(&Vec3) -> Limits) {
+    let mut work = Thinning::new(sheet, limits);
+    while let Some(Reverse((_, u, v, stamp))) = work.queue.pop() {
+        if work.stamps[u] + work.stamps[v] == stamp && work.may_collapse(sheet, u, v) {
+            work.collapse(sheet, u, v);
+        }
+    }
+    sheet.triangles = (0..sheet.triangles.len())
+        .filter(|t| work.alive[*t])
+        .map(|t| sheet.triangles[t])
+        .collect();
+    sheet.drop_unused();
+}
+
+/// Cost as an ordered integer, vertex that goes, vertex that stays, age of both.
+type Candidate = Reverse<(u64, usize, usize, u32)>;
+
+struct Thinning {
+    limits: Vec<Limits>,
+    /// Unit normals of the original surface.
+    normals: Vec<Vec3>,
+    quadrics: Vec<Quadric>,
+    /// Triangles round each vertex.
+    round: Vec<Vec<usize>>,
+    alive: Vec<bool>,
+    gone: Vec<bool>,
+    stamps: Vec<u32>,
+    queue: BinaryHeap<Candidate>,
+}
+
+impl Thinning {
+    fn new(sheet: &Sheet, limits: &dyn Fn(&Vec3) -> Limits) -> Self {
+        let n = sheet.at.len();
+        let mut work = Self {
+            limits: sheet.at.iter().map(limits).collect(),
+            normals: sheet.normals(),
+            quadrics: vec![Quadric::default(); n],
+            round: vec![Vec::new(); n],
+            alive: vec![true; sheet.triangles.len()],
+            gone: vec![false; n],
+            stamps: vec![0; n],
+            queue: BinaryHeap::new(),
+        };
+        for (t, triangle) in sheet.triangles.iter().enumerate() {
+            let plane = Quadric::of(&sheet.area_vector(*triangle), &sheet.at[triangle[0]]);
+            for v in triangle {
+                work.quadrics[*v].add(&plane);
+                work.round[*v].push(t);
+            }
+        }
+        for edge in sheet.edges() {
+            work.propose(sheet, edge.ends);
+        }
+        work
+    }
+
+    /// Neighbours of a vertex, ascending.
+    fn neighbours(&self, sheet: &Sheet, v: usize) -> Vec<usize> {
+        let corners = self.round[v].iter().flat_map(|t| sheet.triangles[*t]);
+        let mut all: Vec<usize> = corners.filter(|other| *other != v).collect();
+        all.sort_unstable();
+        all.dedup();
+        all
+    }
+
+    fn propose(&mut self, sheet: &Sheet, [a, b]: [usize; 2]) {
+        for (u, v) in [(a, b), (b, a)] {
+            let limits = &self.limits[u];
+            let long = (sheet.at[u] - sheet.at[v]).norm() / limits.long;
+            let mut quadric = self.quadrics[u];
+            quadric.add(&self.quadrics[v]);
+            let off = quadric.distance(&sheet.at[v]) / fmax(limits.off, 1e-12);
+            if off > 1.0 || long > 1.0 {
+                continue;
+            }
+            // Positive numbers have the order of their bits.
+            let cost = (off + EVEN * long * long).to_bits();
+            let stamp = self.stamps[u] + self.stamps[v];
+            self.queue.push(Reverse((cost, u, v, stamp)));
+        }
+    }
+
+    /// Whether the surface stays a surface, near the original one, with full triangles.
+    fn may_collapse(&self, sheet: &Sheet, u: usize, v: usize) -> bool {
+        if self.gone[u] || self.gone[v] {
+            return false;
+        }
+        let theirs = self.neighbours(sheet, v);
+        let common = self.neighbours(sheet, u);
+        let common = common.iter().filter(|w| theirs.binary_search(w).is_ok());
+        if common.count() != 2 {
+            return false;
+        }
+        let kept = self.round[u].iter().map(|t| sheet.triangles[*t]);
+        kept.filter(|triangle| !triangle.contains(&v))
+            .all(|triangle| {
+                let new = triangle.map(|w| if w == u { v } else { w });
+                let corners = new.map(|w| sheet.at[w]);
+                let area = sheet.area_vector(new);
+                let normal = area / area.norm().max(f64::MIN_POSITIVE);
+                let limits = &self.limits[u];
+                let is_short = new
+                    .iter()
+                    .all(|w| (sheet.at[*w] - sheet.at[v]).norm() <= limits.long);
+                let is_true = new
+                    .iter()
+                    .chain([&u])
+                    .all(|w| self.normals[*w].dot(&normal) > limits.turned);
+                let old = fullness(triangle.map(|w| sheet.at[w]));
+                let full = fullness(corners);
+                is_short && is_true && (full > FULL || full > old)
+            })
+    }
+
+    fn collapse(&mut self, sheet: &mut Sheet, u: usize, v: usize) {
+        let of_u = std::mem::take(&mut self.round[u]);
+        for t in of_u {
+            if sheet.triangles[t].contains(&v) {
+                self.alive[t] = false;
+                for w in sheet.triangles[t] {
+                    self.round[w].retain(|other| *other != t);
+                }
+            } else {
+                sheet.triangles[t] = sheet.triangles[t].map(|w| if w == u { v } else { w });
+                self.round[v].push(t);
+            }
+        }
+        let gone = self.quadrics[u];
+        self.quadrics[v].add(&gone);
+        self.gone[u] = true;
+        self.stamps[v] += 1;
+        for w in self.neighbours(sheet, v) {
+            self.propose(sheet, [v, w]);
+        }
+    }
+}
+
+/// Sum of squared distances to planes, weighted by areas: `p A p + 2 b p + c`.
+#[derive(Clone, Copy, Debug, Default)]
+struct Quadric {
+    square: [f64; 6],
+    linear: Vec3,
+    constant: f64,
+    area: f64,
+}
+
+impl Quadric {
+    fn of(area_vector: &Vec3, point: &Vec3) -> Self {
+        let area = area_vector.norm();
+        let n = area_vector / area.max(f64::MIN_POSITIVE);
+        let d = -n.dot(point);
+        Self {
+            square: [
+                n.x * n.x,
+                n.x * n.y,
+                n.x * n.z,
+                n.y * n.y,
+                n.y * n.z,
+                n.z * n.z,
+            ]
+            .map(|x| x * area),
+            linear: n * (d * area),
+            constant: d * d * area,
+            area,
+        }
+    }
+
+    fn add(&mut self, other: &Self) {
+        for (to, from) in self.square.iter_mut().zip(other.square) {
+            *to += from;
+        }
+        self.linear += other.linear;
+        self.constant += other.constant;
+        self.area += other.area;
+    }
+
+    /// Root of the mean squared distance of a point from the planes.
+    fn distance(&self, p: &Vec3) -> f64 {
+        let [xx, xy, xz, yy, yz, zz] = self.square;
+        let square = xx * p.x * p.x
+            + yy * p.y * p.y
+            + zz * p.z * p.z
+            + 2.0 * (xy * p.x * p.y + xz * p.x * p.z + yz * p.y * p.z)
+            + 2.0 * self.linear.dot(p)
+            + self.constant;
+        fmax(square / self.area.max(f64::MIN_POSITIVE), 0.0).sqrt()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use sulcus_scene::mesh::check::check;
+    use sulcus_scene::mesh::distance::MeshDistance;
+    use sulcus_scene::mesh::shapes::icosphere;
+
+    #[test]
+    fn a_ball_stays_a_ball_with_fewer_triangles() {
+        let fine = icosphere(5.0, 5);
+        let mut sheet = Sheet::of(&fine);
+        thin(&mut sheet, &|_| Limits {
+            off: 0.02,
+            long: 1.5,
+            turned: 0.9,
+        });
+        assert!(5 * sheet.triangles.len() < fine.triangles.len());
+        let coarse = sheet.to_mesh();
+        assert_eq!(check(&coarse, "ball").expect("closed").genus, 0);
+        let distance = MeshDistance::new(coarse);
+        let off = fine.vertices.iter().map(|v| distance.signed(v).abs());
+        let off = off.fold(0.0, f64::max);
+        assert!(off < 0.06, "{off}");
+    }
+}
