@@ -20,17 +20,13 @@ pub fn cut(sheet: &mut Sheet, field: &dyn Fn(&Vec3) -> f64, onto: &dyn Fn(&Vec3)
             continue;
         }
         let share = crossing(sheet, field, edge.ends);
-        for (v, share) in [(a, share), (b, 1.0 - share)] {
-            if share < NEAR && !sheet.fixed[v] {
-                sheet.at[v] = onto(&on_edge(
-                    sheet,
-                    edge.ends,
-                    crossing(sheet, field, edge.ends),
-                ));
-                sheet.fixed[v] = true;
-                values[v] = 0.0;
-                break;
-            }
+        let at = onto(&on_edge(sheet, edge.ends, share));
+        let near = [(a, share), (b, 1.0 - share)].into_iter();
+        let mut near = near.filter(|(_, share)| *share < NEAR).map(|(v, _)| v);
+        if let Some(v) = near.find(|v| sheet.may_move(*v, &at)) {
+            sheet.at[v] = at;
+            sheet.fixed[v] = true;
+            values[v] = 0.0;
         }
     }
     let mut between: BTreeMap<[usize; 2], usize> = BTreeMap::new();
@@ -118,6 +114,7 @@ mod tests {
             });
             assert_eq!(crossing.count(), 0, "{height}");
         }
-        assert_eq!(check(&sheet.to_mesh(), "ball").expect("closed").genus, 0);
+        let metres = sheet.to_mesh().placed(1e-3, Vec3::zeros());
+        assert_eq!(check(&metres, "ball").expect("closed").genus, 0);
     }
 }

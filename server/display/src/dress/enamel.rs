@@ -44,13 +44,13 @@ pub const HALO_MM: [f64; 2] = [0.22, 0.4];
 const TRANSLUCENT_MM: f64 = 1.5;
 /// Half the width of a fissure at its foot, mm. The stain fades linearly, so that half of it is 0.14 mm wide.
 pub const FISSURE_MM: f64 = 0.14;
-/// Length over which a fissure begins and ends, mm.
-const BEGINS_MM: f64 = 0.6;
+/// Length over which a developmental fissure fades at its end on the crown's edge, mm.
+const BEGINS_MM: f64 = 0.8;
 /// Greatest distance of the surface under the undisturbed chewing surface that has fissures, mm.
 const UNDER_MM: f64 = 0.45;
 
 /// Perceptual roughness: enamel wet by saliva, the same of a root, a fissure with plaque.
-const ROUGHNESS: [f64; 3] = [0.10, 0.30, 0.34];
+const ROUGHNESS: [f64; 3] = [0.10, 0.30, 0.45];
 
 /// Look of a place.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -234,7 +234,7 @@ fn beside(fissure: &Fissure, p: &Vec3) -> (f64, f64) {
     let strength = if fissure.fades {
         0.6 * fclamp(1.0 - at / passed, 0.0, 1.0)
     } else {
-        0.85 * fclamp(0.35 + (passed - at) / BEGINS_MM, 0.0, 1.0)
+        0.85 * fclamp((passed - at) / BEGINS_MM, 0.0, 1.0)
     };
     (distance, strength)
 }

@@ -3,7 +3,10 @@
 use sulcus_core::Vec3;
 use sulcus_scene::mesh::TriMesh;
 
-/// Triangles of a surface, any unit of length.
+/// Largest distance of a moved vertex's old place from the surface, mm.
+const MOVED: f64 = 0.006;
+
+/// Triangles of a surface, mm.
 #[derive(Clone, Debug, Default)]
 pub struct Sheet {
     /// Vertices.
@@ -70,6 +73,19 @@ impl Sheet {
             triangles: group.iter().map(|side| side.1).collect(),
         };
         sides.chunk_by(|a, b| a.0 == b.0).map(of).collect()
+    }
+
+    /// Whether a free vertex may move to a place nearby: its old place stays within [`MOVED`] of the new planes.
+    pub fn may_move(&self, v: usize, to: &Vec3) -> bool {
+        let round = self.triangles.iter().filter(|t| t.contains(&v));
+        let is_near = |t: &[usize; 3]| {
+            let corners = t.map(|w| if w == v { *to } else { self.at[w] });
+            let normal = (corners[1] - corners[0]).cross(&(corners[2] - corners[0]));
+            let old = self.area_vector(*t);
+            let off = normal.dot(&(self.at[v] - to)).abs();
+            normal.dot(&old) > 0.5 * normal.norm() * old.norm() && off < MOVED * normal.norm()
+        };
+        !self.fixed[v] && round.clone().all(is_near)
     }
 
     /// Adds a vertex that must stay. Returns its index.

@@ -18,20 +18,26 @@ use super::trace::trace;
 
 /// Depth under the CEJ down to which the drawn surface is true, mm: as far as recession can bare a root.
 const BARED_MM: f64 = 6.0;
-/// Limits of the part that can be seen, mm.
-const SEEN: Limits = Limits {
-    off: 0.008,
-    long: 0.9,
-    turned: 0.95,
+/// Limits of the crown, mm.
+const CROWN: Limits = Limits {
+    off: 0.021,
+    long: 1.2,
+    turned: 0.88,
+};
+/// Limits of the root that recession can bare, mm.
+const NECK: Limits = Limits {
+    off: 0.024,
+    long: 2.0,
+    turned: 0.82,
 };
 /// Limits of the root in the bone, mm.
 const BURIED: Limits = Limits {
-    off: 0.12,
+    off: 0.2,
     long: 3.0,
     turned: 0.5,
 };
 /// Largest distance of a flipped edge's middle from the surface, mm.
-const FLIPPED_MM: f64 = 0.012;
+const FLIPPED_MM: f64 = 0.008;
 
 /// Drawn surface of the teeth of one number, in the frame of a left tooth.
 struct Drawn {
@@ -81,15 +87,14 @@ fn draw(tooth: &DrawnTooth) -> Drawn {
     let enamel = Enamel::new(tooth.shape);
     let original = MeshDistance::new(tooth.mesh.clone().placed(1.0 / MM, Vec3::zeros()));
     let mut sheet = Sheet::of(original.mesh());
-    thin(&mut sheet, &|p| {
-        if enamel.above_cej(p) > -BARED_MM - 0.5 {
-            SEEN
-        } else {
-            BURIED
-        }
+    thin(&mut sheet, &|p| match enamel.above_cej(p) {
+        above if above > -0.5 => CROWN,
+        above if above > -BARED_MM - 0.5 => NECK,
+        _ => BURIED,
     });
     flip(&mut sheet, &|p| {
-        enamel.above_cej(p) < -BARED_MM || original.signed(p).abs() < FLIPPED_MM
+        let is_buried = enamel.above_cej(p) < -BARED_MM - 2.0;
+        original.signed(p).abs() < if is_buried { BURIED.off } else { FLIPPED_MM }
     });
     let onto = |p: &Vec3| original.nearest(p).point;
     for height in [0.0, -STEP_MM] {
@@ -101,14 +106,16 @@ fn draw(tooth: &DrawnTooth) -> Drawn {
         }
     }
     let is_table = |p: &Vec3| enamel.is_table(p);
+    // In a crease the nearest place may lie on its other side, so that vertices of a fissure stay in their triangles.
+    let there = |p: &Vec3| *p;
     for fissure in enamel.fissures() {
-        trace(&mut sheet, &fissure.points, &is_table, &onto);
+        trace(&mut sheet, &fissure.points, &is_table, &there);
     }
     // A distance that is not finite, off the table, has no crossing.
     cut(
         &mut sheet,
         &|p| enamel.fissure(p).0.min(1.0) - FISSURE_MM,
-        &onto,
+        &there,
     );
     sheet.drop_unused();
     let looks: Vec<_> = sheet.at.iter().map(|p| enamel.look(p)).collect();

@@ -6,3 +6,4 @@ mod glass;
 mod hidden;
 mod shapes;
 mod teeth;
+mod tools;

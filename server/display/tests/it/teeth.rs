@@ -135,11 +135,11 @@ fn lab(srgb: &[u8; 4]) -> [f64; 3] {
 
 #[test]
 fn drawn_teeth_are_few_triangles_near_the_simulated_surface() {
-    let mut all = [0, 0];
+    let (mut all, mut worst) = ([0, 0], 0.0_f64);
     for tooth in teeth() {
         let counts = [&tooth.compiled, &tooth.drawn].map(|mesh| mesh.triangles.len());
         all = [all[0] + counts[0], all[1] + counts[1]];
-        check(&tooth.drawn, "drawn").expect("a solid");
+        check(&tooth.drawn.clone().placed(1e-3, Vec3::zeros()), "drawn").expect("a solid");
         let is_seen = |p: &Vec3| tooth.above_cej(p) > -SEEN_MM;
         let off = |of: &TriMesh, to: &TriMesh| {
             let distance = MeshDistance::new(to.clone());
@@ -155,9 +155,10 @@ fn drawn_teeth_are_few_triangles_near_the_simulated_surface() {
             "{}: {counts:?} triangles, {out:.4} and {back:.4} mm",
             tooth.fdi
         );
-        assert!(out < OFF_MM && back < OFF_MM, "{}: {out} {back}", tooth.fdi);
+        worst = worst.max(out).max(back);
     }
     println!("all: {all:?}");
+    assert!(worst < OFF_MM, "{worst}");
     assert!(all[1] <= TRIANGLES, "{all:?}");
 }
 
@@ -165,7 +166,9 @@ fn drawn_teeth_are_few_triangles_near_the_simulated_surface() {
 fn enamel_neck_and_root_have_their_colours() {
     for tooth in teeth() {
         let crown = tooth.shape.crown_height_mm();
-        let is_buccal = |p: &Vec3| p.y > 0.0 && (p.y.atan2(p.x) - FRAC_PI_2).abs() < 0.9;
+        // Grooves that run over the edge of the table are left out.
+        let under = |p: &Vec3| tooth.shape.chewing(p.x, p.y) - p.z;
+        let is_buccal = |p: &Vec3| (p.y.atan2(p.x) - FRAC_PI_2).abs() < 0.9 && under(p) > 0.5;
         let body = tooth.mean(|p| is_buccal(p) && (0.45..0.65).contains(&(p.z / crown)));
         let neck = tooth.mean(|p| is_buccal(p) && (0.3..1.6).contains(&tooth.above_cej(p)));
         let root = tooth.mean(|p| (-4.0..-0.3).contains(&tooth.above_cej(p)));
@@ -236,7 +239,7 @@ fn the_colour_steps_at_the_cej_within_two_tenths_of_a_millimetre() {
         for (p, finish) in tooth.drawn.vertices.iter().zip(&tooth.finishes) {
             let roughness = f64::from(finish.roughness) / 255.0;
             let wanted = if tooth.above_cej(p) > 0.0 {
-                0.0..0.35
+                0.09..0.46
             } else {
                 0.09..0.31
             };

@@ -106,6 +106,15 @@ impl Probe {
             + SHANK_MM
     }
 
+    /// Start and end of both bends, mm along the centre line.
+    pub(super) fn bends(&self) -> [[f64; 2]; 2] {
+        let end = self.bent();
+        let first = BEND_MM * (self.working_end_deg + self.shank_deg).to_radians();
+        let second = BEND_MM * self.shank_deg.to_radians();
+        let straight = self.working_end_mm;
+        [[straight, straight + first], [end - second, end]]
+    }
+
     /// Centre line at `s` mm from the tip, in the tool's frame, mm.
     pub(super) fn line(&self) -> impl Fn(f64) -> Station {
         let (working, shank) = (

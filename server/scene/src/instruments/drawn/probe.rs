@@ -8,9 +8,9 @@ use crate::instruments::tube::AROUND;
 use sulcus_core::Vec3;
 
 /// Number of ridges of each grip.
-const RIDGES: usize = 25;
-/// Room between the last cross-section of the shank and the handle, mm.
-const BESIDE_MM: f64 = 0.5;
+const RIDGES: usize = 26;
+/// Length beside a bend and below the handle without or with cross-sections of its own, mm.
+const BESIDE_MM: f64 = 1.0;
 
 impl Probe {
     /// Returns the instrument for a display. Working end and shank are those of [`Probe::display`].
@@ -26,9 +26,14 @@ impl Probe {
             }
         };
         let mut turned = Turned::from_point(&line, 0.0, Steel::Polished);
+        let [first, second] = self.bends();
+        let is_needed = |s: f64| {
+            let straight = first[1] + BESIDE_MM..second[0] - BESIDE_MM;
+            // Between the bends the shank is a straight cone.
+            s < shank - 0.5 * BESIDE_MM && !straight.contains(&s)
+        };
         let rings = self.display_rings();
-        let own = rings.iter().filter(|(s, _)| *s < shank - BESIDE_MM);
-        for (s, radius) in own {
+        for (s, radius) in rings.iter().filter(|(s, _)| is_needed(*s)) {
             turned.ring(*s, *radius, AROUND, steel(*s));
         }
         handle(
