@@ -83,9 +83,7 @@ fn finish(mesh: &mut TriMesh, rows: usize) -> Vec<Steel> {
     let mut steel = vec![Steel::Rim; mesh.vertices.len()];
     steel[0] = Steel::Satin;
     // The rim ends where the back begins.
-    for v in 1 + (rows - 2) * AROUND..=bottom {
-        steel[v] = Steel::Satin;
-    }
+    steel[1 + (rows - 2) * AROUND..=bottom].fill(Steel::Satin);
     for (middle, row) in [(0, 0), (bottom, rows - 1)] {
         let first = mesh.vertices.len();
         let ring = 1 + row * AROUND..1 + (row + 1) * AROUND;
