@@ -7,6 +7,8 @@
 
 pub mod cli;
 pub mod join;
+#[cfg(feature = "view")]
+pub mod picture;
 pub mod typed;
 
 use std::io::IsTerminal;
@@ -40,6 +42,7 @@ pub fn run() -> ExitCode {
         Some(cli::Command::Demo(args)) => (sulcus_demo::run(&args), args.json),
         Some(cli::Command::Run(args)) => (join::run(&args), args.json),
         Some(cli::Command::Swarm(args)) => (sulcus_demo::swarm::run(&args), args.json),
+        Some(cli::Command::Picture(args)) => (picture(&args), false),
     };
     let code = done.unwrap_or_else(|error| {
         let text = sulcus_sessions::sentence(&error);
@@ -50,4 +53,16 @@ pub fn run() -> ExitCode {
         2
     });
     output::settle(code.into())
+}
+
+#[cfg(feature = "view")]
+fn picture(args: &cli::PictureArgs) -> anyhow::Result<u8> {
+    picture::run(args)
+}
+
+#[cfg(not(feature = "view"))]
+fn picture(_: &cli::PictureArgs) -> anyhow::Result<u8> {
+    anyhow::bail!(
+        "this build draws no pictures; build with `cargo build --release -p sulcus-client --features view`"
+    )
 }

@@ -1,0 +1,13 @@
+//! Drawing by a graphics adapter, hardware or software. Only this folder names `wgpu`.
+
+mod adapter;
+mod buffers;
+mod draw;
+mod pipelines;
+mod read_back;
+mod targets;
+mod uniforms;
+
+pub use adapter::{Backend, Graphics};
+pub use draw::{Drawing, Mode, Renderer};
+pub use read_back::Image;
