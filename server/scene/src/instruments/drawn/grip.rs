@@ -29,7 +29,7 @@ const APART_MM: f64 = 60.0;
 /// `ridges` ridges. `shank` is the radius at `from`, mm.
 pub(super) fn handle(turned: &mut Turned<'_>, from: f64, to: f64, shank: f64, ridges: usize) {
     turned.ring(from, shank, AROUND, Steel::Polished);
-    turned.crease(Steel::Satin);
+    turned.crease(from, Steel::Satin);
     for k in 1..=3 {
         // A quarter ellipse.
         let angle = std::f64::consts::FRAC_PI_2 * f64::from(k) / 3.0;
@@ -51,7 +51,7 @@ pub(super) fn handle(turned: &mut Turned<'_>, from: f64, to: f64, shank: f64, ri
     for zone in 0..2 {
         let begin = tapered + PLAIN_MM + APART_MM * f64::from(zone);
         turned.ring(begin, RADIUS_MM, AROUND, Steel::Satin);
-        turned.crease(Steel::Ridge);
+        turned.crease(begin, Steel::Ridge);
         for ridge in 0..ridges {
             let s = begin + PITCH_MM * ridge as f64;
             turned.ring(
@@ -60,10 +60,11 @@ pub(super) fn handle(turned: &mut Turned<'_>, from: f64, to: f64, shank: f64, ri
                 AROUND,
                 Steel::Groove,
             );
-            turned.crease(Steel::Groove);
+            turned.crease(s + 0.5 * PITCH_MM, Steel::Groove);
             turned.ring(s + PITCH_MM, RADIUS_MM, AROUND, Steel::Ridge);
             let is_last = ridge + 1 == ridges;
-            turned.crease(if is_last { Steel::Satin } else { Steel::Ridge });
+            let next = if is_last { Steel::Satin } else { Steel::Ridge };
+            turned.crease(s + PITCH_MM, next);
         }
     }
     for (back, narrower) in [(2.5, 0.0), (1.2, 0.4), (0.4, 1.1), (0.0, 2.2)] {

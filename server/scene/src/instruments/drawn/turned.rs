@@ -6,6 +6,8 @@ use super::Steel;
 use crate::instruments::tube::Station;
 use crate::mesh::TriMesh;
 
+/// Overlap of the two sides of a crease along the line, mm: more than twice the distance at which a screen joins vertices.
+pub(super) const OVERLAP_MM: f64 = 0.014;
 /// Largest difference of equal angles, radians.
 const SAME: f64 = 1e-9;
 
@@ -79,19 +81,22 @@ impl<'a> Turned<'a> {
         self.last = ring;
     }
 
-    /// Doubles the newest ring, so that normals and finishes on both its sides are apart.
-    pub fn crease(&mut self, steel: Steel) {
+    /// Doubles the newest ring, which lies at `s`, so that normals and finishes on both its sides are apart.
+    ///
+    /// The two sides overlap by [`OVERLAP_MM`]: a screen gives vertices in one place a common normal.
+    pub fn crease(&mut self, s: f64, steel: Steel) {
+        let along = (self.line)(s).along * (0.5 * OVERLAP_MM);
         for (_, v) in &mut self.last {
-            let copy = self.mesh.vertices[*v as usize];
+            let old = self.mesh.vertices[*v as usize];
+            self.mesh.vertices[*v as usize] = old + along;
             *v = self.mesh.vertices.len() as u32;
-            self.mesh.vertices.push(copy);
+            self.mesh.vertices.push(old - along);
             self.steel.push(steel);
         }
     }
 
     /// Closes the newest ring by a flat lid at `s` along the line.
     pub fn close(&mut self, s: f64, steel: Steel) {
-        self.crease(steel);
         let middle = self.mesh.vertices.len() as u32;
         self.mesh.vertices.push((self.line)(s).point);
         self.steel.push(steel);
