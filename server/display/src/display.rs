@@ -52,6 +52,7 @@ impl Display {
         let drawn = drawn_gingivae(scene);
         let (mut objects, mut followers) = (Vec::new(), Vec::new());
         let teeth = drawn_teeth(scene);
+        dress::prepare(&teeth);
         for ((object, drawn), tooth) in scene.objects.iter().zip(drawn).zip(&teeth) {
             let (mut shown, follower) = shown(scene, object, drawn)?;
             if shown.kind == Kind::Tooth {

@@ -13,6 +13,7 @@ mod thin;
 mod trace;
 
 pub use steel::tool;
+pub use teeth::prepare;
 
 use sulcus_proto::CodecError;
 use sulcus_proto::display::DisplayMesh;

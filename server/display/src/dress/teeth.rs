@@ -20,22 +20,25 @@ use super::trace::trace;
 const BARED_MM: f64 = 6.0;
 /// Limits of the crown, mm.
 const CROWN: Limits = Limits {
-    off: 0.021,
-    long: 1.2,
-    turned: 0.88,
+    off: 0.023,
+    long: 1.4,
+    turned: 0.86,
 };
 /// Limits of the root that recession can bare, mm.
 const NECK: Limits = Limits {
-    off: 0.024,
-    long: 2.0,
-    turned: 0.82,
+    off: 0.025,
+    long: 2.4,
+    turned: 0.78,
 };
 /// Limits of the root in the bone, mm.
 const BURIED: Limits = Limits {
-    off: 0.2,
-    long: 3.0,
-    turned: 0.5,
+    off: 0.4,
+    long: 5.0,
+    turned: 0.2,
 };
+/// Heights over the CEJ of lines along which a margin runs, mm. Light falls off towards a margin, so that vertices in
+/// rows are needed there. Chosen.
+const MARGIN_MM: [f64; 2] = [0.8, 1.7];
 /// Largest distance of a flipped edge's middle from the surface, mm.
 const FLIPPED_MM: f64 = 0.008;
 
@@ -74,6 +77,18 @@ pub fn tooth(tooth: &DrawnTooth) -> Result<DisplayMesh, CodecError> {
     DisplayMesh::new(&vertices, &triangles, whole, &colours)?.with_finishes(drawn.finishes.clone())
 }
 
+/// Draws the surfaces of all teeth, one number on each thread.
+pub fn prepare(teeth: &[Option<DrawnTooth>]) {
+    std::thread::scope(|scope| {
+        for number in 1..10 {
+            let mut all = teeth.iter().flatten();
+            if let Some(tooth) = all.find(|tooth| tooth.fdi % 10 == number) {
+                scope.spawn(|| drawn(tooth));
+            }
+        }
+    });
+}
+
 /// Metres of a millimetre.
 const MM: f64 = 1e-3;
 
@@ -97,7 +112,7 @@ fn draw(tooth: &DrawnTooth) -> Drawn {
         original.signed(p).abs() < if is_buried { BURIED.off } else { FLIPPED_MM }
     });
     let onto = |p: &Vec3| original.nearest(p).point;
-    for height in [0.0, -STEP_MM] {
+    for height in [0.0, -STEP_MM].into_iter().chain(MARGIN_MM) {
         cut(&mut sheet, &|p| enamel.above_cej(p) - height, &onto);
     }
     if enamel.is_front() {
