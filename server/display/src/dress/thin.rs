@@ -26,6 +26,8 @@ pub struct Limits {
 const EVEN: f64 = 0.25;
 /// Quadric error, relative to the limit, beyond which a collapse is not tried.
 const HOPELESS: f64 = 1.0;
+/// Limit from which on the quadric error alone decides, mm: watching all places of a large triangle takes long.
+const ROUGH: f64 = 0.1;
 /// Least fullness of a new triangle.
 const FULL: f64 = 0.18;
 
@@ -77,7 +79,7 @@ impl Thinning {
             normals: sheet.normals(),
             quadrics: vec![Quadric::default(); n],
             round: vec![Vec::new(); n],
-            replaced: (n..original.len()).map(|middle| vec![middle]).collect(),
+            replaced: vec![Vec::new(); sheet.triangles.len()],
             original,
             alive: vec![true; sheet.triangles.len()],
             gone: vec![false; n],
@@ -85,6 +87,9 @@ impl Thinning {
             queue: BinaryHeap::new(),
         };
         for (t, triangle) in sheet.triangles.iter().enumerate() {
+            if work.is_watched(n + t) {
+                work.replaced[t].push(n + t);
+            }
             let plane = Quadric::of(&sheet.area_vector(*triangle), &sheet.at[triangle[0]]);
             for v in triangle {
                 work.quadrics[*v].add(&plane);
@@ -95,6 +100,11 @@ impl Thinning {
             work.propose(sheet, edge.ends);
         }
         work
+    }
+
+    /// Whether the distance of an original place is watched.
+    fn is_watched(&self, place: usize) -> bool {
+        self.limits[place].off < ROUGH
     }
 
     /// Neighbours of a vertex, ascending.
@@ -160,7 +170,7 @@ impl Thinning {
         }
         let points = round.iter().flat_map(|t| self.replaced[*t].iter().copied());
         let mut replaced = Vec::new();
-        for point in points.chain([u]) {
+        for point in points.chain(Some(u).filter(|u| self.is_watched(*u))) {
             let at = self.original[point];
             let away = |t: usize| squared(&at, new(t).map(|w| sheet.at[w]));
             let off = kept.iter().map(|t| (away(*t), *t));
