@@ -6,6 +6,7 @@ mod colour;
 mod cut;
 mod enamel;
 mod flip;
+mod quadric;
 mod sheet;
 mod steel;
 mod teeth;

@@ -6,7 +6,8 @@ use super::Steel;
 use crate::instruments::tube::Station;
 use crate::mesh::TriMesh;
 
-/// Overlap of the two sides of a crease along the line, mm: more than twice the distance at which a screen joins vertices.
+/// Overlap of the two sides of a crease along the line, mm. A screen joins vertices that are less than half as far
+/// apart.
 pub(super) const OVERLAP_MM: f64 = 0.014;
 /// Largest difference of equal angles, radians.
 const SAME: f64 = 1e-9;
