@@ -1,0 +1,150 @@
+//! Weak guide: the lead of the hand over the graphic tool is bounded, because nobody feels the wall.
+//!
+//! A force device stops the hand at a wall. A mouse does not: its tool would run deep into the tissue while the graphic
+//! tool stays outside, and the force of the coupling, stiffness times lead, would be that of a fist. The guide bounds
+//! the lead by the largest force of the exercise: `force / stiffness`. The hand's own target is bounded as well, so that
+//! the tool sticks to the graphic one: the way back from a wall begins with the first count of the mouse. A hand that
+//! pushes and then rests holds its force.
+//!
+//! - In contact the lead is bounded by force and torque.
+//! - Without contact the lead is the delay of the link times the speed. A wider bound lets a free tool move; it also
+//!   bounds the first push at a wall, which lasts for one delay of the link. The return into the narrow bound has the
+//!   speed of the hand.
+//!
+//! **Recording.** The guide acts before the pose is sent. The recorded poses are those of the guide, and the simulation
+//! never sees other ones. A replay feeds it the same poses and is identical by construction; the guide has no part in
+//! it. A recorded force says how far the user let the guide go. No hand has felt that force.
+
+use super::pose::{HandPose, at_most, turn, turned};
+use crate::camera::Vector;
+
+/// Bound of the lead of a hand over its graphic tool.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Lead {
+    /// Largest distance of the pivots, mm.
+    pub shift_mm: f64,
+    /// Largest angle between the tools, radians.
+    pub turn_rad: f64,
+}
+
+/// Coupling of a tool, as the scene has it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Coupling {
+    /// Stiffness in translation of the working point, N/m.
+    pub stiffness_n_per_m: f64,
+    /// Stiffness in rotation, N m/rad.
+    pub stiffness_nm_per_rad: f64,
+}
+
+/// Guide of a tool.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Guide {
+    /// Bound in contact.
+    pub contact: Lead,
+    /// Bound without contact.
+    pub free: Lead,
+    /// Least force of a contact, newtons.
+    pub contact_n: f64,
+}
+
+impl Guide {
+    /// Guide that bounds the force of the coupling to `force_n` and its torque to `torque_nm`. The free lead is chosen:
+    /// 3 mm and 0.08 rad, for 150 mm/s and 4 rad/s on a link of 20 ms.
+    ///
+    /// The bound of the force holds exactly if the pivot is the working point of the tool.
+    pub fn new(force_n: f64, torque_nm: f64, coupling: &Coupling) -> Self {
+        Self {
+            contact: Lead {
+                shift_mm: force_n / coupling.stiffness_n_per_m * 1e3,
+                turn_rad: torque_nm / coupling.stiffness_nm_per_rad,
+            },
+            free: Lead {
+                shift_mm: 3.0,
+                turn_rad: 0.08,
+            },
+            contact_n: crate::panel::CONTACT_N,
+        }
+    }
+
+    /// Bound at a displayed force, newtons. A contact never has a wider bound than a free tool. A force that is not a
+    /// number counts as a contact.
+    pub fn lead(&self, force_n: f64) -> Lead {
+        if force_n < self.contact_n {
+            Lead {
+                shift_mm: self.free.shift_mm.max(self.contact.shift_mm),
+                turn_rad: self.free.turn_rad.max(self.contact.turn_rad),
+            }
+        } else {
+            self.contact
+        }
+    }
+}
+
+impl Lead {
+    /// Pose nearest to `pose` within the bound round `graphic`, for tools with a pivot in their frame, mm.
+    pub fn limited(&self, pose: &HandPose, graphic: &HandPose, pivot: &Vector) -> HandPose {
+        let (from, lead) = (
+            graphic.point(pivot),
+            pose.point(pivot) - graphic.point(pivot),
+        );
+        let twist = turned(&graphic.orientation, &pose.orientation);
+        if lead.norm() <= self.shift_mm && twist.norm() <= self.turn_rad {
+            // No rounding for a pose that is allowed.
+            return *pose;
+        }
+        let place = from + at_most(&lead, self.shift_mm);
+        let orientation = turn(&at_most(&twist, self.turn_rad)) * graphic.orientation;
+        HandPose::with_point_at(pivot, &place, orientation)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    const PROBE: Coupling = Coupling {
+        stiffness_n_per_m: 500.0,
+        stiffness_nm_per_rad: 0.5,
+    };
+
+    #[test]
+    fn the_lead_is_force_over_stiffness() {
+        let guide = Guide::new(0.25, 0.005, &PROBE);
+        assert!((guide.contact.shift_mm - 0.5).abs() < 1e-12);
+        assert!((guide.contact.turn_rad - 0.01).abs() < 1e-12);
+        assert_eq!(guide.lead(0.0).shift_mm, 3.0);
+        for force_n in [0.01, 0.3, f64::NAN] {
+            assert_eq!(guide.lead(force_n), guide.contact, "{force_n}");
+        }
+        let strong = Guide::new(5.0, 1.0, &PROBE);
+        assert_eq!(
+            strong.lead(0.0),
+            strong.contact,
+            "never narrower than in contact"
+        );
+    }
+
+    proptest! {
+        #[test]
+        fn a_limited_pose_is_the_nearest_allowed_one(
+            place in [-9.0f64..9.0, -9.0..9.0, -9.0..9.0], by in [-1.0f64..1.0, -1.0..1.0, -1.0..1.0],
+        ) {
+            let pivot = Vector::new(0.0, -8.0, 90.0);
+            let start = turn(&Vector::new(0.3, -0.5, 2.0));
+            let graphic = HandPose::with_point_at(&pivot, &Vector::new(1.0, 2.0, 3.0), start);
+            let (shift, by) = (Vector::from(place), Vector::from(by));
+            let pose = HandPose::with_point_at(&pivot, &(graphic.point(&pivot) + shift), turn(&by) * start);
+            let bound = Guide::new(0.25, 0.005, &PROBE).contact;
+            let limited = bound.limited(&pose, &graphic, &pivot);
+            let lead = limited.point(&pivot) - graphic.point(&pivot);
+            let twist = turned(&graphic.orientation, &limited.orientation);
+            prop_assert!(lead.norm() <= 0.5 + 1e-9 && twist.norm() <= 0.01 + 1e-9);
+            // On the way from the graphic tool to the hand, as far as the bound allows.
+            prop_assert!((lead - shift * (0.5 / shift.norm()).min(1.0)).norm() < 1e-9);
+            prop_assert!((twist - by * (0.01 / by.norm()).min(1.0)).norm() < 1e-6);
+            let near = HandPose::with_point_at(&pivot, &(graphic.point(&pivot) + shift * 0.01), start);
+            prop_assert_eq!(bound.limited(&near, &graphic, &pivot), near);
+        }
+    }
+}
