@@ -1,0 +1,278 @@
+//! Keys, mouse and 3D mouse: one table of controls and acts, which the help of the screen prints.
+//!
+//! Letters are findings while the clutch is open ([`crate::readings::Key`]), and motions while it is closed. A student
+//! holds the tool by opening the clutch, types the finding, and closes the clutch again.
+
+use super::motion::Motion;
+use crate::strings::Strings;
+
+/// Key, mouse or part of a 3D mouse. A window maps its own keys to these, letters by their place on the keyboard.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Control {
+    /// Letter key.
+    W,
+    /// Letter key.
+    S,
+    /// Letter key.
+    A,
+    /// Letter key.
+    D,
+    /// Letter key.
+    Q,
+    /// Letter key.
+    E,
+    /// Arrow key.
+    ArrowUp,
+    /// Arrow key.
+    ArrowDown,
+    /// Arrow key.
+    ArrowLeft,
+    /// Arrow key.
+    ArrowRight,
+    /// Page key.
+    PageUp,
+    /// Page key.
+    PageDown,
+    /// Either shift key.
+    Shift,
+    /// Space bar.
+    Space,
+    /// Tabulator.
+    Tab,
+    /// Home key.
+    Home,
+    /// Insert key.
+    Insert,
+    /// Mouse without a button.
+    Mouse,
+    /// Left button, and the mouse while the button is held.
+    LeftButton,
+    /// Right button, and the mouse while the button is held.
+    RightButton,
+    /// Either control key, and the mouse while the key is held.
+    Ctrl,
+    /// Wheel.
+    Wheel,
+    /// Cap of a 3D mouse.
+    Cap,
+    /// First button of a 3D mouse.
+    CapFirst,
+    /// Second button of a 3D mouse.
+    CapSecond,
+}
+
+impl Control {
+    /// All controls, in the order of the table.
+    pub const ALL: [Self; 25] = {
+        use Control::*;
+        [
+            W,
+            S,
+            A,
+            D,
+            Q,
+            E,
+            ArrowUp,
+            ArrowDown,
+            ArrowLeft,
+            ArrowRight,
+            PageUp,
+            PageDown,
+            Shift,
+            Space,
+            Tab,
+            Home,
+            Insert,
+            Mouse,
+            LeftButton,
+            RightButton,
+            Ctrl,
+            Wheel,
+            Cap,
+            CapFirst,
+            CapSecond,
+        ]
+    };
+}
+
+/// Act of a control. Directions are those of the picture.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Act {
+    /// Steady motion upwards.
+    Up,
+    /// Steady motion downwards.
+    Down,
+    /// Steady motion to the left.
+    Left,
+    /// Steady motion to the right.
+    Right,
+    /// Steady motion away from the eye.
+    Away,
+    /// Steady motion towards the eye.
+    Towards,
+    /// Steady turn, upper side away from the eye.
+    TipAway,
+    /// Steady turn, upper side towards the eye.
+    TipTowards,
+    /// Steady turn, near side to the left.
+    TurnLeft,
+    /// Steady turn, near side to the right.
+    TurnRight,
+    /// Steady turn, upper side to the left.
+    RollLeft,
+    /// Steady turn, upper side to the right.
+    RollRight,
+    /// Precision while held.
+    Precise,
+    /// Opens or closes the clutch.
+    Clutch,
+    /// Chooses the other hand.
+    OtherHand,
+    /// Way home.
+    Home,
+    /// Takes the tool up, or lays it down.
+    TakeOrLay,
+    /// Counts of the mouse move in the plane of the picture.
+    InPicture,
+    /// Counts of the mouse move to the sides, away from the eye and towards it. Notches of the wheel do as well.
+    InDepth,
+    /// Counts of the mouse tip and turn.
+    Tilt,
+    /// Counts of the mouse roll.
+    Roll,
+    /// Deflections in all six directions.
+    AllSix,
+}
+
+impl Act {
+    /// All acts.
+    pub const ALL: [Self; 22] = {
+        use Act::*;
+        [
+            Up, Down, Left, Right, Away, Towards, TipAway, TipTowards, TurnLeft, TurnRight,
+            RollLeft, RollRight, Precise, Clutch, OtherHand, Home, TakeOrLay, InPicture, InDepth,
+            Tilt, Roll, AllSix,
+        ]
+    };
+
+    /// Whether the control of the act belongs to the hands while the clutch is open. Every other control then serves
+    /// findings and the camera.
+    pub fn works_open(self) -> bool {
+        use Act::*;
+        matches!(self, Precise | Clutch | OtherHand | TakeOrLay)
+    }
+
+    /// Full deflection of a steady motion; `None` for other acts.
+    pub fn deflection(self) -> Option<Motion> {
+        Some(match self {
+            Self::Up => Motion::shift(0.0, 1.0, 0.0),
+            Self::Down => Motion::shift(0.0, -1.0, 0.0),
+            Self::Left => Motion::shift(-1.0, 0.0, 0.0),
+            Self::Right => Motion::shift(1.0, 0.0, 0.0),
+            Self::Away => Motion::shift(0.0, 0.0, -1.0),
+            Self::Towards => Motion::shift(0.0, 0.0, 1.0),
+            Self::TipAway => Motion::turn(-1.0, 0.0, 0.0),
+            Self::TipTowards => Motion::turn(1.0, 0.0, 0.0),
+            Self::TurnLeft => Motion::turn(0.0, -1.0, 0.0),
+            Self::TurnRight => Motion::turn(0.0, 1.0, 0.0),
+            Self::RollLeft => Motion::turn(0.0, 0.0, 1.0),
+            Self::RollRight => Motion::turn(0.0, 0.0, -1.0),
+            _ => return None,
+        })
+    }
+
+    /// Motion of the mouse by `right` and `down` counts; none for an act without the mouse.
+    pub fn counts(self, right: f64, down: f64) -> Motion {
+        match self {
+            Self::InPicture => Motion::shift(right, -down, 0.0),
+            Self::InDepth => Motion::shift(right, 0.0, down),
+            Self::Tilt => Motion::turn(down, right, 0.0),
+            Self::Roll => Motion::turn(0.0, 0.0, -right),
+            _ => Motion::none(),
+        }
+    }
+}
+
+/// Act of each control.
+pub const TABLE: [(Control, Act); Control::ALL.len()] = [
+    (Control::W, Act::Up),
+    (Control::S, Act::Down),
+    (Control::A, Act::Left),
+    (Control::D, Act::Right),
+    (Control::Q, Act::Away),
+    (Control::E, Act::Towards),
+    (Control::ArrowUp, Act::TipAway),
+    (Control::ArrowDown, Act::TipTowards),
+    (Control::ArrowLeft, Act::TurnLeft),
+    (Control::ArrowRight, Act::TurnRight),
+    (Control::PageUp, Act::RollLeft),
+    (Control::PageDown, Act::RollRight),
+    (Control::Shift, Act::Precise),
+    (Control::Space, Act::Clutch),
+    (Control::Tab, Act::OtherHand),
+    (Control::Home, Act::Home),
+    (Control::Insert, Act::TakeOrLay),
+    (Control::Mouse, Act::InPicture),
+    (Control::LeftButton, Act::InDepth),
+    (Control::RightButton, Act::Tilt),
+    (Control::Ctrl, Act::Roll),
+    (Control::Wheel, Act::InDepth),
+    (Control::Cap, Act::AllSix),
+    (Control::CapFirst, Act::Clutch),
+    (Control::CapSecond, Act::Home),
+];
+
+/// Act of a control.
+pub fn act(control: Control) -> Act {
+    TABLE[control as usize].1
+}
+
+/// Lines of the help: control and act, in words.
+pub fn help(strings: &Strings) -> [[&'static str; 2]; TABLE.len()] {
+    let words = &strings.hands;
+    TABLE.map(|(control, act)| [words.controls[control as usize], words.acts[act as usize]])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::strings::ENGLISH;
+
+    #[test]
+    fn table_and_lists_have_the_order_of_the_enums() {
+        for (k, (control, _)) in TABLE.iter().enumerate() {
+            assert_eq!((*control as usize, Control::ALL[k]), (k, *control));
+        }
+        for (k, act) in Act::ALL.iter().enumerate() {
+            assert_eq!(*act as usize, k);
+            assert!(
+                TABLE.iter().any(|(_, used)| used == act),
+                "{act:?} has no control"
+            );
+        }
+        assert_eq!(act(Control::Space), Act::Clutch);
+    }
+
+    #[test]
+    fn the_help_has_a_line_of_words_for_every_control() {
+        let lines = help(&ENGLISH);
+        assert!(lines.contains(&["W", "up"]));
+        assert!(lines.contains(&["Right button and mouse", "tip and turn"]));
+        assert!(lines.contains(&["Wheel", "move away and towards you"]));
+        assert!(lines.contains(&["Second button of a 3D mouse", "way back to the start"]));
+        for (k, [control, act]) in lines.iter().enumerate() {
+            assert!(!control.is_empty() && !act.is_empty());
+            assert!(
+                lines[..k].iter().all(|[earlier, _]| earlier != control),
+                "{control} twice"
+            );
+        }
+    }
+
+    #[test]
+    fn opposite_keys_cancel() {
+        let steady = TABLE.iter().filter_map(|(_, act)| act.deflection());
+        let sum = steady.fold(Motion::none(), |sum, each| sum.and(&each));
+        assert_eq!(sum, Motion::none());
+    }
+}
