@@ -2,9 +2,9 @@
 //!
 //! A force device stops the hand at a wall. A mouse does not: its tool would run deep into the tissue while the graphic
 //! tool stays outside, and the force of the coupling, stiffness times lead, would be that of a fist. The guide bounds
-//! the lead by the largest force of the exercise: `force / stiffness`. The hand's own target is bounded as well, so that
-//! the tool sticks to the graphic one: the way back from a wall begins with the first count of the mouse. A hand that
-//! pushes and then rests holds its force.
+//! the lead by the largest force of the exercise: `force / stiffness`. While a tool is at its bound, the target of the
+//! hand sticks to it in the direction of the lead: the way back from a wall begins with the first count of the mouse.
+//! Motion along the wall stays free. A hand that pushes and then rests holds its force.
 //!
 //! - In contact the lead is bounded by force and torque.
 //! - Without contact the lead is the delay of the link times the speed. A wider bound lets a free tool move; it also
@@ -35,6 +35,9 @@ pub struct Coupling {
     /// Stiffness in rotation, N m/rad.
     pub stiffness_nm_per_rad: f64,
 }
+
+/// Share of a bound from which a tool is at the bound. Rounding of the wire is far below the rest.
+const AT_BOUND: f64 = 0.999;
 
 /// Guide of a tool.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -96,6 +99,39 @@ impl Lead {
         let orientation = turn(&at_most(&twist, self.turn_rad)) * graphic.orientation;
         HandPose::with_point_at(pivot, &place, orientation)
     }
+
+    /// Target of a hand whose tool is at `pose`. A tool at its bound takes away the part of the target that lies beyond
+    /// the bound in the direction of the lead; any other target stays.
+    pub fn stuck(
+        &self,
+        target: &HandPose,
+        pose: &HandPose,
+        graphic: &HandPose,
+        pivot: &Vector,
+    ) -> HandPose {
+        let from = graphic.point(pivot);
+        let lead = pose.point(pivot) - from;
+        let shift = beyond(&(target.point(pivot) - from), &lead, self.shift_mm);
+        let twist = |of: &HandPose| turned(&graphic.orientation, &of.orientation);
+        let by = beyond(&twist(target), &twist(pose), self.turn_rad);
+        let orientation = match by {
+            Some(by) => turn(&(twist(target) - by)) * graphic.orientation,
+            None => target.orientation,
+        };
+        let place = target.point(pivot) - shift.unwrap_or_default();
+        if shift.is_none() && by.is_none() {
+            return *target;
+        }
+        HandPose::with_point_at(pivot, &place, orientation)
+    }
+}
+
+/// Part of `wanted` beyond `most` in the direction of `lead`, if a lead of this length is at its bound.
+fn beyond(wanted: &Vector, lead: &Vector, most: f64) -> Option<Vector> {
+    let length = lead.norm();
+    let direction = lead / length;
+    let excess = wanted.dot(&direction) - most;
+    (length > 0.0 && length >= AT_BOUND * most && excess > 0.0).then(|| direction * excess)
 }
 
 #[cfg(test)]
@@ -123,6 +159,32 @@ mod tests {
             strong.contact,
             "never narrower than in contact"
         );
+    }
+
+    #[test]
+    fn a_target_sticks_in_the_direction_of_the_lead_alone() {
+        let bound = Guide::new(0.25, 0.005, &PROBE).contact;
+        let pivot = Vector::new(0.0, -8.0, 90.0);
+        let at = |place: [f64; 3], by: [f64; 3]| {
+            HandPose::with_point_at(&pivot, &Vector::from(place), turn(&Vector::from(by)))
+        };
+        let graphic = at([0.0; 3], [0.0; 3]);
+        let target = at([4.0, 9.0, -3.0], [0.3, 0.0, 0.0]);
+        // In the middle of the bound nothing sticks.
+        let pose = at([0.3, 0.0, 0.0], [0.005, 0.0, 0.0]);
+        assert_eq!(bound.stuck(&target, &pose, &graphic, &pivot), target);
+        let pose = at([0.5, 0.0, 0.0], [0.005, 0.0, 0.0]);
+        let stuck = bound.stuck(&target, &pose, &graphic, &pivot);
+        assert!((stuck.point(&pivot) - Vector::new(0.5, 9.0, -3.0)).norm() < 1e-9);
+        assert!((turned(&graphic.orientation, &stuck.orientation).x - 0.3).abs() < 1e-9);
+        let pose = at([0.0; 3], [0.01, 0.0, 0.0]);
+        let stuck = bound.stuck(&target, &pose, &graphic, &pivot);
+        assert!((stuck.point(&pivot) - target.point(&pivot)).norm() < 1e-9);
+        assert!((turned(&graphic.orientation, &stuck.orientation).x - 0.01).abs() < 1e-9);
+        // A target on the way back stays.
+        let back = at([0.4, 9.0, 0.0], [-0.2, 0.0, 0.0]);
+        let pose = at([0.5, 0.0, 0.0], [0.01, 0.0, 0.0]);
+        assert_eq!(bound.stuck(&back, &pose, &graphic, &pivot), back);
     }
 
     proptest! {

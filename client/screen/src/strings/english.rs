@@ -92,7 +92,7 @@ pub const ENGLISH: Strings = Strings {
     },
     hands: HandWords {
         devices: ["mouse and keyboard", "3D mouse", "gamepad"],
-        no_feeling: "No force is felt. The tool stops at the tissue, and its lead over the picture is the force.",
+        no_feeling: "No force is felt here. The picture shows where the tool stops.",
         clutch: [
             "Clutch open: the tool rests, keys are findings",
             "Clutch closed: the tool moves",

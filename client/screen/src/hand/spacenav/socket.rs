@@ -148,7 +148,7 @@ mod tests {
         let moved = pass(&mut socket, &mut hands);
         // Right in the picture of a person before the patient: y.
         assert!(
-            (moved - Vector::new(0.0, 10.0, 0.0)).norm() < 1e-6,
+            (moved - Vector::new(0.0, 30.0, 0.0)).norm() < 1e-6,
             "{moved}"
         );
         send(&mut stream, [2, 0, 0, 0, 0, 0, 0, 0]);
@@ -157,7 +157,7 @@ mod tests {
         send(&mut stream, [0, 0, 0, -350, 0, 0, 0, 8]);
         let nearer = pass(&mut socket, &mut hands) - moved;
         assert!(
-            (nearer - Vector::new(10.0, 0.0, 0.0)).norm() < 1e-6,
+            (nearer - Vector::new(30.0, 0.0, 0.0)).norm() < 1e-6,
             "{nearer}"
         );
     }

@@ -3,10 +3,13 @@
 use nalgebra::Vector3;
 use sulcus_proto::TOOLS;
 
-use super::guide::Guide;
+use super::guide::Lead;
 use super::motion::{Frame, Motion};
 use super::one::Hand;
 use super::pose::HandPose;
+
+#[cfg(test)]
+mod tests;
 
 /// Device that gives steady motions, as shares of the greatest speed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -26,23 +29,26 @@ pub struct Scales {
     pub mm_per_count: f64,
     /// Rotation for a count of the mouse, radians.
     pub rad_per_count: f64,
-    /// Speed of a full deflection, mm/s.
+    /// Speed of a held key, mm/s.
     pub speed_mm_s: f64,
-    /// Spin of a full deflection, rad/s.
+    /// Spin of a held key, rad/s.
     pub spin_rad_s: f64,
+    /// Speed of a full deflection of a cap or a stick, in speeds of a held key.
+    pub cap: f64,
     /// Share of all scales under precision.
     pub precise: f64,
 }
 
 impl Default for Scales {
     /// Chosen: 400 counts, a centimetre on the desk with a usual mouse, are 10 mm or 46 degrees. A held key moves
-    /// 20 mm/s or turns 0.8 rad/s. Precision is a quarter.
+    /// 20 mm/s or turns 0.8 rad/s, a full cap three times that. Precision is a quarter.
     fn default() -> Self {
         Self {
             mm_per_count: 0.025,
             rad_per_count: 0.002,
             speed_mm_s: 20.0,
             spin_rad_s: 0.8,
+            cap: 3.0,
             precise: 0.25,
         }
     }
@@ -169,10 +175,9 @@ impl Hands {
 
     /// Carries out the motion of a time, seconds.
     pub fn advance(&mut self, seconds: f64) {
-        let sum = self
-            .steady
-            .iter()
-            .fold(Motion::none(), |sum, each| sum.and(each));
+        let [keys, cap, sticks] = &self.steady;
+        let gain = self.scales.cap;
+        let sum = keys.and(&cap.and(sticks).times(gain, gain));
         let share = self.share() * seconds;
         let (speed, spin) = (self.scales.speed_mm_s, self.scales.spin_rad_s);
         let by = self.frame.in_world(&sum.times(speed * share, spin * share));
@@ -194,15 +199,12 @@ impl Hands {
         self.hands.get(slot)?.as_ref()
     }
 
-    /// Pulls the target of a held tool into the bound of its guide round the graphic tool.
-    pub fn stick(&mut self, slot: usize, guide: &Guide, graphic: &HandPose, force_n: f64) {
-        let Some(Some(hand)) = self.hands.get_mut(slot) else {
-            return;
-        };
-        let limited = guide
-            .lead(force_n)
-            .limited(&hand.pose(), graphic, &hand.pivot());
-        hand.put(&limited);
+    /// Pulls the target of a hand back to the bound of its tool, which is at `pose`.
+    pub fn stick(&mut self, slot: usize, lead: &Lead, pose: &HandPose, graphic: &HandPose) {
+        if let Some(Some(hand)) = self.hands.get_mut(slot) {
+            let stuck = lead.stuck(&hand.pose(), pose, graphic, &hand.pivot());
+            hand.put(&stuck);
+        }
     }
 
     fn share(&self) -> f64 {
@@ -223,132 +225,5 @@ impl Hands {
         for hand in self.hands.iter_mut().flatten() {
             hand.stop();
         }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::camera::{Camera, Vector};
-    use crate::hand::limits::Limits;
-    use crate::hand::pose::Turn;
-
-    fn hands() -> Hands {
-        let hand = |y: f64| {
-            let home = HandPose {
-                position: Vector::new(0.0, y, 0.0),
-                orientation: Turn::identity(),
-            };
-            Some(Hand::new(
-                home,
-                Vector::zeros(),
-                Limits::around([home.position], 60.0),
-            ))
-        };
-        let mut hands = Hands::new([hand(0.0), hand(30.0)], Scales::default());
-        hands.set_open(false);
-        hands
-    }
-
-    fn places(hands: &Hands) -> [Vector; 2] {
-        [0, 1].map(|slot| hands.pose(slot).expect("a tool").position)
-    }
-
-    fn run(hands: &mut Hands) {
-        for _ in 0..1000 {
-            hands.advance(1e-3);
-        }
-    }
-
-    #[test]
-    fn counts_move_the_chosen_hand_in_the_axes_of_the_picture() {
-        let mut hands = hands();
-        let eye = Vector::new(0.0, -400.0, 0.0);
-        hands.look(Frame::of(&Camera::looking(
-            eye,
-            Vector::zeros(),
-            Vector::z(),
-            20.0,
-            1.0,
-        )));
-        hands.apply(&Motion::shift(100.0, 40.0, 20.0));
-        run(&mut hands);
-        // The eye looks along y: right is x, towards the eye is -y.
-        let expected = [Vector::new(2.5, -0.5, 1.0), Vector::new(0.0, 30.0, 0.0)];
-        assert!((places(&hands)[0] - expected[0]).norm() < 1e-9);
-        assert_eq!(places(&hands)[1], expected[1]);
-        hands.choose_next();
-        hands.apply(&Motion::shift(0.0, 100.0, 0.0));
-        run(&mut hands);
-        assert!((places(&hands)[0] - expected[0]).norm() < 1e-9);
-        assert!((places(&hands)[1] - Vector::new(0.0, 30.0, 2.5)).norm() < 1e-9);
-    }
-
-    #[test]
-    fn precision_is_a_quarter_for_mouse_and_keys() {
-        let length = |precise: bool| {
-            let mut hands = hands();
-            hands.set_precise(precise);
-            hands.apply(&Motion::shift(80.0, 0.0, 0.0));
-            hands.deflect(Steady::Keys, &Motion::shift(1.0, 0.0, 0.0));
-            run(&mut hands);
-            places(&hands)[0].norm()
-        };
-        // 80 counts are 2 mm, and a key held for a second is 20 mm.
-        assert!((length(false) - 22.0).abs() < 1e-6, "{}", length(false));
-        assert!((length(true) - 5.5).abs() < 1e-6);
-    }
-
-    #[test]
-    fn an_open_clutch_moves_nothing_and_stops_at_once() {
-        let mut hands = hands();
-        hands.apply(&Motion::shift(400.0, 0.0, 0.0));
-        hands.advance(1e-3);
-        let before = places(&hands);
-        hands.set_open(true);
-        hands.apply(&Motion::shift(400.0, 0.0, 0.0));
-        hands.deflect(Steady::Cap, &Motion::shift(1.0, 0.0, 0.0));
-        hands.go_home();
-        run(&mut hands);
-        assert_eq!(places(&hands), before);
-        hands.set_open(false);
-        hands.advance(1e-3);
-        assert_ne!(places(&hands), before, "the cap is still deflected");
-        hands.let_go();
-        hands.set_open(false);
-        let before = places(&hands);
-        run(&mut hands);
-        assert_eq!(places(&hands), before);
-    }
-
-    #[test]
-    fn a_tool_that_is_laid_down_stays_and_a_wrong_deflection_is_none() {
-        let mut hands = hands();
-        hands.take_or_lay();
-        assert!(!hands.is_held(0) && hands.is_held(1) && !hands.is_held(2));
-        hands.apply(&Motion::shift(100.0, 0.0, 0.0));
-        hands.deflect(Steady::Sticks, &Motion::shift(1.0, 0.0, 0.0));
-        run(&mut hands);
-        assert_eq!(places(&hands)[0], Vector::zeros());
-        hands.take_or_lay();
-        hands.deflect(Steady::Sticks, &Motion::shift(f64::NAN, 1.0, 0.0));
-        run(&mut hands);
-        assert_eq!(places(&hands)[0], Vector::zeros());
-        hands.deflect(Steady::Sticks, &Motion::shift(0.0, 7.0, 0.0));
-        run(&mut hands);
-        assert!(
-            (places(&hands)[0].z - 20.0).abs() < 1e-6,
-            "a full deflection at most"
-        );
-    }
-
-    #[test]
-    fn one_tool_alone_stays_chosen() {
-        let first = hands().hands[0];
-        let mut one = Hands::new([None, first], Scales::default());
-        assert_eq!(one.chosen(), 1);
-        one.choose_next();
-        assert_eq!(one.chosen(), 1);
-        assert!(one.pose(0).is_none() && !one.is_held(0));
     }
 }

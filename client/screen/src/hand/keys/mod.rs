@@ -3,7 +3,10 @@
 //! Letters are findings while the clutch is open ([`crate::readings::Key`]), and motions while it is closed. A student
 //! holds the tool by opening the clutch, types the finding, and closes the clutch again.
 
-use super::motion::Motion;
+mod act;
+
+pub use act::Act;
+
 use crate::strings::Strings;
 
 /// Key, mouse or part of a 3D mouse. A window maps its own keys to these, letters by their place on the keyboard.
@@ -95,104 +98,6 @@ impl Control {
     };
 }
 
-/// Act of a control. Directions are those of the picture.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Act {
-    /// Steady motion upwards.
-    Up,
-    /// Steady motion downwards.
-    Down,
-    /// Steady motion to the left.
-    Left,
-    /// Steady motion to the right.
-    Right,
-    /// Steady motion away from the eye.
-    Away,
-    /// Steady motion towards the eye.
-    Towards,
-    /// Steady turn, upper side away from the eye.
-    TipAway,
-    /// Steady turn, upper side towards the eye.
-    TipTowards,
-    /// Steady turn, near side to the left.
-    TurnLeft,
-    /// Steady turn, near side to the right.
-    TurnRight,
-    /// Steady turn, upper side to the left.
-    RollLeft,
-    /// Steady turn, upper side to the right.
-    RollRight,
-    /// Precision while held.
-    Precise,
-    /// Opens or closes the clutch.
-    Clutch,
-    /// Chooses the other hand.
-    OtherHand,
-    /// Way home.
-    Home,
-    /// Takes the tool up, or lays it down.
-    TakeOrLay,
-    /// Counts of the mouse move in the plane of the picture.
-    InPicture,
-    /// Counts of the mouse move to the sides, away from the eye and towards it. Notches of the wheel do as well.
-    InDepth,
-    /// Counts of the mouse tip and turn.
-    Tilt,
-    /// Counts of the mouse roll.
-    Roll,
-    /// Deflections in all six directions.
-    AllSix,
-}
-
-impl Act {
-    /// All acts.
-    pub const ALL: [Self; 22] = {
-        use Act::*;
-        [
-            Up, Down, Left, Right, Away, Towards, TipAway, TipTowards, TurnLeft, TurnRight,
-            RollLeft, RollRight, Precise, Clutch, OtherHand, Home, TakeOrLay, InPicture, InDepth,
-            Tilt, Roll, AllSix,
-        ]
-    };
-
-    /// Whether the control of the act belongs to the hands while the clutch is open. Every other control then serves
-    /// findings and the camera.
-    pub fn works_open(self) -> bool {
-        use Act::*;
-        matches!(self, Precise | Clutch | OtherHand | TakeOrLay)
-    }
-
-    /// Full deflection of a steady motion; `None` for other acts.
-    pub fn deflection(self) -> Option<Motion> {
-        Some(match self {
-            Self::Up => Motion::shift(0.0, 1.0, 0.0),
-            Self::Down => Motion::shift(0.0, -1.0, 0.0),
-            Self::Left => Motion::shift(-1.0, 0.0, 0.0),
-            Self::Right => Motion::shift(1.0, 0.0, 0.0),
-            Self::Away => Motion::shift(0.0, 0.0, -1.0),
-            Self::Towards => Motion::shift(0.0, 0.0, 1.0),
-            Self::TipAway => Motion::turn(-1.0, 0.0, 0.0),
-            Self::TipTowards => Motion::turn(1.0, 0.0, 0.0),
-            Self::TurnLeft => Motion::turn(0.0, -1.0, 0.0),
-            Self::TurnRight => Motion::turn(0.0, 1.0, 0.0),
-            Self::RollLeft => Motion::turn(0.0, 0.0, 1.0),
-            Self::RollRight => Motion::turn(0.0, 0.0, -1.0),
-            _ => return None,
-        })
-    }
-
-    /// Motion of the mouse by `right` and `down` counts; none for an act without the mouse.
-    pub fn counts(self, right: f64, down: f64) -> Motion {
-        match self {
-            Self::InPicture => Motion::shift(right, -down, 0.0),
-            Self::InDepth => Motion::shift(right, 0.0, down),
-            Self::Tilt => Motion::turn(down, right, 0.0),
-            Self::Roll => Motion::turn(0.0, 0.0, -right),
-            _ => Motion::none(),
-        }
-    }
-}
-
 /// Act of each control.
 pub const TABLE: [(Control, Act); Control::ALL.len()] = [
     (Control::W, Act::Up),
@@ -227,6 +132,11 @@ pub fn act(control: Control) -> Act {
     TABLE[control as usize].1
 }
 
+/// State of the clutch in words, open or closed.
+pub fn clutch(is_open: bool, strings: &Strings) -> &'static str {
+    strings.hands.clutch[usize::from(!is_open)]
+}
+
 /// Lines of the help: control and act, in words.
 pub fn help(strings: &Strings) -> [[&'static str; 2]; TABLE.len()] {
     let words = &strings.hands;
@@ -236,6 +146,7 @@ pub fn help(strings: &Strings) -> [[&'static str; 2]; TABLE.len()] {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::hand::motion::Motion;
     use crate::strings::ENGLISH;
 
     #[test]
@@ -267,6 +178,12 @@ mod tests {
                 "{control} twice"
             );
         }
+    }
+
+    #[test]
+    fn an_open_clutch_says_that_the_tool_rests() {
+        let [open, closed] = [true, false].map(|is_open| clutch(is_open, &ENGLISH));
+        assert!(open.contains("rests") && closed.contains("moves"));
     }
 
     #[test]
