@@ -3,6 +3,8 @@
 use super::hands::{Hands, Steady};
 use super::keys::{Act, Control, TABLE, act};
 use super::motion::Motion;
+use super::spacenav::CapRule;
+use super::sticks::Sticks;
 
 /// Counts of the mouse that a notch of the wheel stands for. Chosen: 0.5 mm.
 const NOTCH: f64 = 20.0;
@@ -27,8 +29,8 @@ impl Board {
         }
     }
 
-    /// Takes in a press. Returns whether the press belongs to the hands; any other goes to findings and camera. Repeated
-    /// presses of a held key count once.
+    /// Takes in a press. Returns whether the press belongs to the hands; any other goes to findings and camera.
+    /// Repeated presses of a held key count once.
     pub fn press(&mut self, control: Control, hands: &mut Hands) -> bool {
         if hands.is_open() && !act(control).works_open() {
             return false;
@@ -69,6 +71,11 @@ impl Board {
         hands.deflect(Steady::Cap, share);
     }
 
+    /// Takes in the sticks of a gamepad.
+    pub fn sticks(&self, sticks: &Sticks, hands: &mut Hands) {
+        hands.deflect(Steady::Sticks, &sticks.deflection(&CapRule::sticks()));
+    }
+
     /// Releases all keys and lets the hands go, as for a window that lost the focus.
     pub fn let_go(&mut self, hands: &mut Hands) {
         *self = Self::new();
@@ -83,7 +90,8 @@ impl Board {
         let steady = held.filter_map(|(_, act)| act.deflection());
         let sum = steady.fold(Motion::none(), |sum, each| sum.and(&each));
         hands.deflect(Steady::Keys, &sum);
-        hands.set_precise(self.down[Control::Shift as usize]);
+        let mut precise = TABLE.iter().filter(|(_, act)| *act == Act::Precise);
+        hands.set_precise(precise.any(|(control, _)| self.down[*control as usize]));
     }
 }
 
@@ -104,12 +112,12 @@ mod tests {
         let hand = Hand::new(
             home,
             Vector::zeros(),
-            Limits::around([Vector::zeros()], 60.0),
+            Limits::around([Vector::zeros()], 90.0),
         );
         Hands::new([Some(hand), Some(hand)], Scales::default())
     }
 
-    /// Place, and rotation vector, of the chosen tool after a second. Axes of the picture: x is towards the eye, y right.
+    /// Place and rotation vector of the chosen tool after a second. x points to the eye, y to the right.
     fn after(hands: &mut Hands) -> [Vector; 2] {
         for _ in 0..1000 {
             hands.advance(1e-3);
@@ -188,5 +196,26 @@ mod tests {
             (after(&mut hands)[0].y - 20.0).abs() < 1e-6,
             "no precision is left"
         );
+    }
+
+    #[test]
+    fn sticks_move_three_times_as_fast_as_a_key_and_a_quarter_of_that_with_precision() {
+        let (mut hands, mut board) = (hands(), Board::new());
+        assert!(board.press(Control::PadLower, &mut hands));
+        let sticks = Sticks {
+            left: [0.0, 1.0],
+            ..Sticks::default()
+        };
+        board.sticks(&sticks, &mut hands);
+        assert!((after(&mut hands)[0].z - 60.0).abs() < 1e-6);
+        board.sticks(
+            &Sticks {
+                left: [0.0, -1.0],
+                ..sticks
+            },
+            &mut hands,
+        );
+        board.press(Control::PadLeft, &mut hands);
+        assert!((after(&mut hands)[0].z - 45.0).abs() < 1e-6);
     }
 }

@@ -47,8 +47,8 @@ pub struct Held {
 
 /// Device of a person with a mouse, keys or a 3D mouse.
 ///
-/// The home of a hand should be the resting place of its tool. A hand away from its graphic tool is carried to it at the
-/// speed of the hand.
+/// The home of a hand should be the resting place of its tool. A hand away from its graphic tool is carried to it at
+/// the speed of the hand.
 #[derive(Debug)]
 pub struct HandsOnScreen {
     shared: Arc<Shared>,

@@ -11,6 +11,10 @@
 //!   bounds the first push at a wall, which lasts for one delay of the link. The return into the narrow bound has the
 //!   speed of the hand.
 //!
+//! Measured against a stiff wall, 500 N/m, bound 0.25 N: a hand of 20 mm/s holds 0.250 N at delays of 0 to 20 ms, with
+//! no larger first push. A hand of 140 mm/s on a link of 20 ms first pushes with 1.41 N; the free lead bounds it to
+//! 1.5 N. The same push of 20 mm without a guide ends at 7.5 N.
+//!
 //! **Recording.** The guide acts before the pose is sent. The recorded poses are those of the guide, and the simulation
 //! never sees other ones. A replay feeds it the same poses and is identical by construction; the guide has no part in
 //! it. A recorded force says how far the user let the guide go. No hand has felt that force.

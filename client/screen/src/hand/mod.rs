@@ -1,11 +1,11 @@
-//! Tools without a force device: mouse and keyboard, or a 3D mouse, move them in six degrees of freedom.
+//! Tools without a force device: mouse and keyboard, a 3D mouse or a gamepad move them in six degrees of freedom.
 //!
 //! Everything works except the feeling, and the screen says so ([`crate::panel::Warning::NoForce`],
 //! [`crate::strings::HandWords`]). No module opens a window or reads a clock.
 //!
 //! | step | type | thread |
 //! |---|---|---|
-//! | keys, counts, deflections | [`Board`], [`spacenav`] | window |
+//! | keys, counts, deflections | [`Board`], [`spacenav`], [`Sticks`] | window |
 //! | axes of the picture, scale, precision, clutch, choice of the hand | [`Hands`] | window |
 //! | workspace, speed, backlog | [`Hand`] | device loop |
 //! | lead over the graphic tool | [`Guide`] | device loop |
@@ -25,6 +25,7 @@ mod pose;
 mod shared;
 mod smooth;
 pub mod spacenav;
+mod sticks;
 #[cfg(test)]
 mod tests;
 
@@ -38,3 +39,4 @@ pub use one::Hand;
 pub use pose::HandPose;
 pub use shared::Shared;
 pub use smooth::{Smoother, SmootherRule};
+pub use sticks::Sticks;

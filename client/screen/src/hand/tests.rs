@@ -3,11 +3,12 @@
 use std::collections::VecDeque;
 use std::sync::Arc;
 
+use proptest::prelude::*;
 use sulcus_proto::datagram::WirePose;
 
 use super::device::{Felt, HandsOnScreen, Held};
 use super::guide::{Coupling, Guide};
-use super::hands::{Hands, Scales};
+use super::hands::{Hands, Scales, Steady};
 use super::limits::Limits;
 use super::motion::Motion;
 use super::one::Hand;
@@ -253,4 +254,33 @@ fn the_first_pose_is_that_of_the_home_and_an_empty_slot_has_none() {
     bench.shared.feed(Hands::take_or_lay);
     assert!(!bench.device.period(&nothing)[0].present);
     assert!(bench.device.entries().is_empty());
+}
+
+proptest! {
+    #[test]
+    fn any_input_stays_within_the_step_and_the_force(
+        inputs in proptest::collection::vec((-400.0f64..400.0, -400.0f64..400.0, 0u8..12, 1usize..60), 1..40),
+        delay in 0usize..25, wall in 0.0f64..8.0,
+    ) {
+        let mut bench = Bench::new(wall, delay);
+        for (right, up, other, periods) in inputs {
+            bench.shared.feed(|hands| {
+                hands.apply(&Motion::shift(right, up, 0.0));
+                hands.apply(&Motion::turn(up, 0.0, right));
+                match other {
+                    0 => hands.set_open(!hands.is_open()),
+                    1 => hands.go_home(),
+                    2 => hands.deflect(Steady::Keys, &Motion::shift(1.0, 0.0, 0.0)),
+                    3 => hands.let_go(),
+                    _ => {}
+                }
+            });
+            for _ in 0..periods {
+                bench.period();
+            }
+        }
+        prop_assert!(bench.most_step <= 0.15 + 1e-4, "{}", bench.most_step);
+        // The free lead of 3 mm.
+        prop_assert!(bench.most_force <= 1.5 + 1e-3, "{}", bench.most_force);
+    }
 }

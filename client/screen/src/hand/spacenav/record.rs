@@ -16,12 +16,11 @@ pub const RECORD: usize = 32;
 /// Event of a 3D mouse.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Event {
-    /// Deflection of the cap: x, y, z, rx, ry, rz in the daemon's axes and units, some -350 to 350. The period is the
-    /// time since the motion before, ms.
+    /// Deflection of the cap.
     Motion {
-        /// Deflections.
+        /// x, y, z, rx, ry, rz in the daemon's axes and units, some -350 to 350.
         axes: [i32; 6],
-        /// Period, ms.
+        /// Time since the motion before, ms; 0 if unknown.
         period_ms: i32,
     },
     /// A button went down: its number from 0 on.
@@ -126,7 +125,8 @@ mod tests {
     proptest! {
         #[test]
         fn any_bytes_in_any_parts_give_the_same_events(
-            bytes in proptest::collection::vec(any::<u8>(), 0..400), cuts in proptest::collection::vec(1usize..70, 1..40),
+            bytes in proptest::collection::vec(any::<u8>(), 0..400),
+            cuts in proptest::collection::vec(1usize..70, 1..40),
         ) {
             let (mut whole, mut expected) = (Parser::new(), Vec::new());
             whole.feed(&bytes, &mut expected);
