@@ -1,23 +1,31 @@
 //! Weak guide: the lead of the hand over the graphic tool is bounded, because nobody feels the wall.
 //!
 //! A force device stops the hand at a wall. A mouse does not: its tool would run deep into the tissue while the graphic
-//! tool stays outside, and the force of the coupling, stiffness times lead, would be that of a fist. The guide bounds
-//! the lead by the largest force of the exercise: `force / stiffness`. While a tool is at its bound, the target of the
-//! hand sticks to it in the direction of the lead: the way back from a wall begins with the first count of the mouse.
-//! Motion along the wall stays free. A hand that pushes and then rests holds its force.
+//! tool stays outside. The force of the coupling, stiffness times lead, would be that of a fist. The guide bounds the
+//! lead by the largest force of the exercise: `force / stiffness`. A hand that pushes and then rests holds its force.
+//!
+//! A tool at its bound also holds back the target of its hand in the direction of the lead. The way back from a wall
+//! therefore begins with the first count of the mouse. Motion along the wall is kept.
 //!
 //! - In contact the lead is bounded by force and torque.
 //! - Without contact the lead is the delay of the link times the speed. A wider bound lets a free tool move; it also
 //!   bounds the first push at a wall, which lasts for one delay of the link. The return into the narrow bound has the
 //!   speed of the hand.
 //!
-//! Measured against a stiff wall, 500 N/m, bound 0.25 N: a hand of 20 mm/s holds 0.250 N at delays of 0 to 20 ms, with
-//! no larger first push. A hand of 140 mm/s on a link of 20 ms first pushes with 1.41 N; the free lead bounds it to
-//! 1.5 N. The same push of 20 mm without a guide ends at 7.5 N.
+//! Measured against a stiff wall, 500 N/m, bound 0.25 N:
+//!
+//! | hand | delay of the link | largest force |
+//! |---|---|---|
+//! | 20 mm/s | 2 to 20 ms | 0.250 N, held |
+//! | 140 mm/s | 2 ms | 0.250 N, held |
+//! | 140 mm/s | 20 ms | 1.41 N at first; the free lead bounds it to 1.5 N |
+//! | 20 mm/s for 1 s, no guide | 2 ms | 7.5 N, held |
+//!
+//! A pressed tool that slides at 20 mm/s on a link of 10 ms lost 1.5 % of its way.
 //!
 //! **Recording.** The guide acts before the pose is sent. The recorded poses are those of the guide, and the simulation
-//! never sees other ones. A replay feeds it the same poses and is identical by construction; the guide has no part in
-//! it. A recorded force says how far the user let the guide go. No hand has felt that force.
+//! never sees other ones. A replay feeds the simulation the same poses without a guide, so that it is identical by
+//! construction. No hand has felt a recorded force; its upper end is the bound of the guide.
 
 use super::pose::{HandPose, at_most, turn, turned};
 use crate::camera::Vector;

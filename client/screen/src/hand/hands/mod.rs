@@ -152,8 +152,8 @@ impl Hands {
         }
     }
 
-    /// Takes in the deflection of a steady device, each number -1 to 1. The deflection holds until the next call. One
-    /// that is not finite counts as none.
+    /// Takes in the deflection of a steady device, each number -1 to 1. The deflection holds until the next call. A
+    /// deflection that is not finite counts as none.
     pub fn deflect(&mut self, device: Steady, share: &Motion) {
         let clamped = |v: &Vector3<f64>| v.map(|x| x.clamp(-1.0, 1.0));
         self.steady[device as usize] = if share.is_finite() {
