@@ -75,9 +75,10 @@ impl Grid {
         let (low, high) = used().fold((first, first), |(low, high), v| {
             (low.inf(&place(*v)), high.sup(&place(*v)))
         });
-        let low = low - V::repeat(CELL_MM);
+        // Half a cell more: the outermost surfaces lie in the middle of their cells, and both sides of a gap agree.
+        let low = low - V::repeat(1.5 * CELL_MM);
         let size = high - low;
-        let count: [usize; 3] = std::array::from_fn(|k| (size[k] / CELL_MM) as usize + 2);
+        let count: [usize; 3] = std::array::from_fn(|k| (size[k] / CELL_MM) as usize + 3);
         if count.iter().any(|n| *n > MOST) {
             // A scene larger than a head has no mouth to darken.
             return None;
