@@ -28,6 +28,8 @@ impl Backend {
 
 /// Device of an adapter.
 pub struct Graphics {
+    // Surfaces of windows come from the instance.
+    #[cfg_attr(not(feature = "window"), allow(dead_code))]
     pub(crate) instance: wgpu::Instance,
     pub(crate) adapter: wgpu::Adapter,
     pub(crate) device: wgpu::Device,
