@@ -33,14 +33,29 @@ pub struct Window {
     pub half: [f64; 2],
 }
 
-/// Returns the pass of a reflection and its window in the main picture. `None`: the glass is seen from behind, edge on,
-/// or outside of the picture.
-pub fn reflected(main: &PassCamera, disc: &Disc) -> Option<(PassCamera, Window)> {
+impl Window {
+    /// Smallest window of whole pixels around this one. A texel of the reflection then is a pixel of the picture.
+    fn outwards(&self, size: [u32; 2]) -> Self {
+        let mut whole = *self;
+        for k in 0..2 {
+            let pixels = 0.5 * f64::from(size[k]);
+            let low = ((self.middle[k] - self.half[k]) * pixels + pixels).floor() / pixels;
+            let high = ((self.middle[k] + self.half[k]) * pixels + pixels).ceil() / pixels;
+            whole.middle[k] = 0.5 * (low + high) - 1.0;
+            whole.half[k] = 0.5 * (high - low);
+        }
+        whole
+    }
+}
+
+/// Returns the pass of a reflection and its window in the main picture of `size` pixels. The window ends at borders of
+/// pixels. `None`: the glass is seen from behind, edge on, or outside of the picture.
+pub fn reflected(main: &PassCamera, disc: &Disc, size: [u32; 2]) -> Option<(PassCamera, Window)> {
     let plane = Plane::through(&disc.centre, &disc.normal);
     if plane.distance(&main.eye) <= 1e-6 * disc.radius {
         return None;
     }
-    let window = window(main, disc)?;
+    let window = window(main, disc)?.outwards(size);
     let reflection = plane.reflection();
     let view = main.view * reflection;
     let crop = Matrix::new(
@@ -124,9 +139,15 @@ mod tests {
     use super::*;
     use crate::camera::Camera;
 
-    fn main_pass() -> PassCamera {
+    const SIZE: [u32; 2] = [900, 600];
+
+    fn main_camera() -> Camera {
         let (eye, target) = (Vector::new(400.0, 30.0, 200.0), Vector::new(0.0, 0.0, 0.0));
-        Camera::looking(eye, target, Vector::z(), 16.0, 1.5).pass()
+        Camera::looking(eye, target, Vector::z(), 16.0, 1.5)
+    }
+
+    fn main_pass() -> PassCamera {
+        main_camera().pass()
     }
 
     fn disc() -> Disc {
@@ -145,7 +166,7 @@ mod tests {
     #[test]
     fn a_point_is_seen_where_its_mirror_image_is() {
         let (main, disc) = (main_pass(), disc());
-        let (pass, window) = reflected(&main, &disc).expect("a reflection");
+        let (pass, window) = reflected(&main, &disc, SIZE).expect("a reflection");
         let plane = Plane::through(&disc.centre, &disc.normal);
         for point in [[40.0, 3.0, 20.0], [25.0, 20.0, -12.0], [90.0, -30.0, 55.0]] {
             let point = Vector::from(point);
@@ -160,7 +181,7 @@ mod tests {
     #[test]
     fn points_of_the_glass_stay_and_have_depth_zero_and_points_behind_are_clipped() {
         let (main, disc) = (main_pass(), disc());
-        let (pass, window) = reflected(&main, &disc).expect("a reflection");
+        let (pass, window) = reflected(&main, &disc, SIZE).expect("a reflection");
         let across = disc.normal.cross(&Vector::z()).normalize();
         for off in [-9.0, 0.0, 4.0, 10.0] {
             let point = disc.centre + across * off;
@@ -183,9 +204,21 @@ mod tests {
         let main = main_pass();
         let mut turned = disc();
         turned.normal = -turned.normal;
-        assert_eq!(reflected(&main, &turned), None);
+        assert_eq!(reflected(&main, &turned, SIZE), None);
         let mut away = disc();
         away.centre.y += 400.0;
-        assert_eq!(reflected(&main, &away), None);
+        assert_eq!(reflected(&main, &away, SIZE), None);
+    }
+
+    #[test]
+    fn a_window_ends_at_borders_of_pixels() {
+        let (_, window) = reflected(&main_pass(), &disc(), SIZE).expect("a reflection");
+        for k in 0..2 {
+            let borders = [-1.0, 1.0].map(|side| window.middle[k] + side * window.half[k]);
+            for border in borders {
+                let pixels = 0.5 * (border + 1.0) * f64::from(SIZE[k]);
+                assert!((pixels - pixels.round()).abs() < 1e-9, "{pixels}");
+            }
+        }
     }
 }

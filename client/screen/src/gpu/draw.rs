@@ -80,6 +80,8 @@ pub struct Renderer {
     graphics: Graphics,
     stage: Stage,
     buffers: Buffers,
+    // A window that changes its level of quality builds a renderer of the same mode.
+    #[cfg_attr(not(feature = "window"), allow(dead_code))]
     mode: Mode,
     format: TextureFormat,
     looks: Looks,
@@ -319,8 +321,8 @@ impl Renderer {
                 normal: world(glass.normal).cast::<f64>(),
                 radius: f64::from(glass.radius * MM),
             };
-            let (pass, window) = reflected(main, &disc).filter(|_| tool.held)?;
-            let pixels = |half: f64, pixels: u32| (half * f64::from(pixels)).ceil() as u32;
+            let (pass, window) = reflected(main, &disc, size).filter(|_| tool.held)?;
+            let pixels = |half: f64, pixels: u32| (half * f64::from(pixels)).round() as u32;
             let used = [0, 1].map(|k| pixels(window.half[k], size[k]).clamp(1, REFLECTION));
             Some(Seen { pass, window, used })
         })
