@@ -118,7 +118,9 @@ fn window(main: &PassCamera, disc: &Disc) -> Option<Window> {
 fn oblique(projection: &Matrix, view: &Matrix, plane: &Plane) -> Option<Matrix> {
     let world = Vector4::new(plane.normal.x, plane.normal.y, plane.normal.z, plane.offset);
     let plane = view.try_inverse()?.transpose() * world;
-    let corner = Vector4::new(sign(plane.x), sign(plane.y), 1.0, 1.0);
+    // A half mirror's projection turns the sides, so that the farthest corner lies at the other one.
+    let side = |k: usize| sign(plane[k] * projection[(k, k)]);
+    let corner = Vector4::new(side(0), side(1), 1.0, 1.0);
     let far = projection.try_inverse()? * corner;
     let last = projection.row(3).transpose();
     let scale = last.dot(&far) / plane.dot(&far);
@@ -208,6 +210,27 @@ mod tests {
         let mut away = disc();
         away.centre.y += 400.0;
         assert_eq!(reflected(&main, &away, SIZE), None);
+    }
+
+    #[test]
+    fn no_corner_of_the_far_plane_is_cut_when_a_half_mirror_flips_the_picture() {
+        for (mirrored, y) in [(false, 0.5), (true, 0.5), (false, -0.5), (true, -0.5)] {
+            let mut camera = main_camera();
+            camera.mirrored = mirrored;
+            let (main, mut disc) = (camera.pass(), disc());
+            disc.normal = Vector::new(0.8, y, 0.3).normalize();
+            let (pass, _) = reflected(&main, &disc, SIZE).expect("a reflection");
+            let last = pass.view.try_inverse().expect("a view");
+            let depths = [[-1.0, -1.0], [1.0, -1.0], [-1.0, 1.0], [1.0, 1.0]].map(|[x, y]| {
+                // The main pass ends 1500 mm before the eye.
+                let [a, b] = [0, 1].map(|k| [x, y][k] + pass.projection[(k, 2)]);
+                let at = [a / pass.projection[(0, 0)], b / pass.projection[(1, 1)]];
+                let far = Vector4::new(at[0] * 1500.0, at[1] * 1500.0, -1500.0, 1.0);
+                pass.seen(&(last * far).xyz()).expect("ahead").z
+            });
+            let deepest = depths.iter().fold(0.0f64, |most, depth| most.max(*depth));
+            assert!((deepest - 1.0).abs() < 1e-9, "{depths:?}");
+        }
     }
 
     #[test]
