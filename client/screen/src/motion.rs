@@ -29,9 +29,10 @@ impl Stage {
             }
         }
         changed.sort_unstable();
-        self.normals
+        let touched = self
+            .normals
             .update(&changed, &self.parts, &self.corners, &mut self.moving);
-        let mut ranges: Vec<Range<usize>> = changed
+        let mut ranges: Vec<Range<usize>> = touched
             .iter()
             .map(|k| self.parts[*k].vertices.clone())
             .collect();
