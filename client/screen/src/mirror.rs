@@ -37,8 +37,8 @@ impl Window {
     /// Smallest window of whole pixels around this one. A texel of the reflection then is a pixel of the picture.
     fn outwards(&self, size: [u32; 2]) -> Self {
         let mut whole = *self;
-        for k in 0..2 {
-            let pixels = 0.5 * f64::from(size[k]);
+        for (k, pixels) in size.into_iter().enumerate() {
+            let pixels = 0.5 * f64::from(pixels);
             let low = ((self.middle[k] - self.half[k]) * pixels + pixels).floor() / pixels;
             let high = ((self.middle[k] + self.half[k]) * pixels + pixels).ceil() / pixels;
             whole.middle[k] = 0.5 * (low + high) - 1.0;
@@ -236,10 +236,10 @@ mod tests {
     #[test]
     fn a_window_ends_at_borders_of_pixels() {
         let (_, window) = reflected(&main_pass(), &disc(), SIZE).expect("a reflection");
-        for k in 0..2 {
+        for (k, size) in SIZE.into_iter().enumerate() {
             let borders = [-1.0, 1.0].map(|side| window.middle[k] + side * window.half[k]);
             for border in borders {
-                let pixels = 0.5 * (border + 1.0) * f64::from(SIZE[k]);
+                let pixels = 0.5 * (border + 1.0) * f64::from(size);
                 assert!((pixels - pixels.round()).abs() < 1e-9, "{pixels}");
             }
         }

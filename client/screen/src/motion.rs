@@ -18,7 +18,7 @@ impl Stage {
         for object in before {
             let still = moment.moved.iter().all(|moved| moved.object != object);
             if let Some(k) = self.number(object).filter(|_| still) {
-                self.to_rest(k);
+                self.settle(k);
                 changed.push(k);
             }
         }
@@ -48,7 +48,8 @@ impl Stage {
         self.parts.iter().position(|part| part.owner == owner)
     }
 
-    fn to_rest(&mut self, part: usize) {
+    /// Puts the vertices of a part to rest.
+    fn settle(&mut self, part: usize) {
         for v in self.parts[part].vertices.clone() {
             self.moving[v].at = self.still[v].rest;
         }

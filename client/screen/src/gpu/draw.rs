@@ -443,9 +443,9 @@ fn begin<'e>(
             },
         })
     });
-    let pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+    encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
         label: None,
-        color_attachments: colour.as_ref().map_or(&[], std::slice::from_ref),
+        color_attachments: colour.as_slice(),
         depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
             view: depth,
             depth_ops: Some(wgpu::Operations {
@@ -455,6 +455,5 @@ fn begin<'e>(
             stencil_ops: None,
         }),
         ..Default::default()
-    });
-    pass
+    })
 }
