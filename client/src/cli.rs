@@ -44,14 +44,14 @@ recording is not complete), 2 wrong usage or bad input.";
 pub enum Command {
     /// Run one whole session against an embedded server: recorded, replayed, graded
     #[command(after_long_help = EXAMPLES)]
-    Demo(DemoArgs),
+    Demo(WithView<DemoArgs>),
     /// Join a running server
     #[command(after_long_help = EXAMPLES)]
-    Run(RunArgs),
+    Run(WithView<RunArgs>),
     /// Run simulated hands on many stations at once, and measure the load of the machine
     #[command(after_long_help = EXAMPLES)]
     Swarm(SwarmArgs),
-    /// Draw an instant of an exercise or a scene at rest into a PNG file, without a display. Needs a build with
+    /// Draw an instant of an exercise or of a recording, or a scene at rest, into a PNG file, without a display. Needs a build with
     /// `--features view`
     #[command(after_long_help = EXAMPLES)]
     Picture(PictureArgs),
@@ -66,6 +66,9 @@ pub struct PictureArgs {
     /// Scene file (TOML). Without --exercise, the scene is drawn at rest
     #[arg(long, value_name = "FILE")]
     pub scene: Option<PathBuf>,
+    /// Recording. The picture shows the replay
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["exercise", "scene", "patient_seed"])]
+    pub recording: Option<PathBuf>,
     /// Seed of the generated patient. Default: the scene's patient
     #[arg(long, value_name = "N")]
     pub patient_seed: Option<u64>,
@@ -130,6 +133,45 @@ fn size(text: &str) -> Result<[u32; 2], String> {
     parsed.filter(is_right).ok_or_else(|| {
         format!("`{text}` is not a size of 16 to 8192 pixels for each edge, as in 1280x720")
     })
+}
+
+/// Arguments of a session that may have a window.
+#[derive(Clone, Debug, Args)]
+pub struct WithView<A: Args> {
+    /// Arguments of the session.
+    #[command(flatten)]
+    pub session: A,
+    /// Arguments of the window.
+    #[command(flatten)]
+    pub view: ViewArgs,
+}
+
+/// Arguments of a window.
+#[derive(Clone, Debug, Args)]
+pub struct ViewArgs {
+    /// Show the session in a window. Needs a build with `--features view`. Keys: F1 to F6 choose the view, a drag turns,
+    /// the wheel magnifies, Home resets, Tab hides the panel, Escape pauses, w wipes blood away, F11 is full screen.
+    /// Findings: digits, b, s, r, f, u, Return
+    #[arg(long)]
+    pub view: bool,
+    /// First view of the window: overview, front, buccal, lingual, mirror, close-up
+    #[arg(
+        long,
+        value_name = "NAME",
+        default_value = "overview",
+        requires = "view"
+    )]
+    pub camera: String,
+    /// Quality of the window: full, plain, low, lowest. Default: by the graphics adapter, and lowered when pictures
+    /// take too long
+    #[arg(long, value_name = "NAME", requires = "view")]
+    pub quality: Option<String>,
+    /// Flip the window left to right, for a screen that is seen in a half mirror
+    #[arg(long, requires = "view")]
+    pub half_mirror: bool,
+    /// Print frame age and frame time of the window at the end
+    #[arg(long, requires = "view")]
+    pub stats: bool,
 }
 
 /// Arguments of `run`.
@@ -203,6 +245,9 @@ mod tests {
         let Some(Command::Demo(parsed)) = Cli::parse_from(["sulcus-client", "demo"]).command else {
             panic!("demo")
         };
-        assert_eq!(format!("{parsed:?}"), format!("{:?}", DemoArgs::default()));
+        assert_eq!(
+            format!("{:?}", parsed.session),
+            format!("{:?}", DemoArgs::default())
+        );
     }
 }

@@ -11,6 +11,7 @@ mod blood;
 pub mod camera;
 mod coarse;
 pub mod error;
+pub mod eye;
 #[cfg(feature = "gpu")]
 pub mod gpu;
 pub mod lamp;
@@ -23,8 +24,12 @@ mod occlusion;
 pub mod panel;
 pub mod quality;
 pub mod readings;
+pub mod show;
 pub mod stage;
 pub mod strings;
 pub mod text;
+pub mod times;
 pub mod trainer;
 pub mod views;
+#[cfg(feature = "window")]
+pub mod window;

@@ -27,10 +27,8 @@ impl Backend {
 }
 
 /// Device of an adapter.
+#[derive(Clone)]
 pub struct Graphics {
-    // Surfaces of windows come from the instance.
-    #[cfg_attr(not(feature = "window"), allow(dead_code))]
-    pub(crate) instance: wgpu::Instance,
     pub(crate) adapter: wgpu::Adapter,
     pub(crate) device: wgpu::Device,
     pub(crate) queue: wgpu::Queue,
@@ -91,7 +89,6 @@ impl Graphics {
             }
         });
         Ok(Self {
-            instance,
             adapter,
             device,
             queue,

@@ -7,6 +7,7 @@ use wgpu::{
 
 use super::adapter::Graphics;
 use super::buffers::{Buffers, empty};
+use super::panel::PanelDrawer;
 use super::pipelines::{Layouts, Pipelines};
 use super::read_back::{self, Image};
 use super::targets::{REFLECTION, Reflection, Targets, shadow_map, texture, view};
@@ -16,6 +17,7 @@ use crate::error::ScreenError;
 use crate::lamp::Lamp;
 use crate::mirror::{Disc, Window, reflected};
 use crate::moment::Moment;
+use crate::panel::Primitive;
 use crate::quality::{Looks, Quality};
 use crate::stage::{MM, Owner, Stage};
 
@@ -80,9 +82,6 @@ pub struct Renderer {
     graphics: Graphics,
     stage: Stage,
     buffers: Buffers,
-    // A window that changes its level of quality builds a renderer of the same mode.
-    #[cfg_attr(not(feature = "window"), allow(dead_code))]
-    mode: Mode,
     format: TextureFormat,
     looks: Looks,
     layouts: Layouts,
@@ -97,6 +96,7 @@ pub struct Renderer {
     pass_groups: [BindGroup; 2],
     part_group: BindGroup,
     glass_groups: [BindGroup; GLASSES],
+    panel: PanelDrawer,
 }
 
 impl Renderer {
@@ -155,8 +155,9 @@ impl Renderer {
             let picture = &reflections[k].picture;
             group(&layouts.glass, &glasses, Some((picture, &smooth)))
         });
+        let panel = PanelDrawer::new(device, format);
         Self {
-            mode,
+            panel,
             format,
             looks,
             layouts,
@@ -227,6 +228,20 @@ impl Renderer {
         moment: &Moment,
         size: [u32; 2],
     ) -> Result<Image, ScreenError> {
+        self.with_panel(drawing, moment, &[], size)
+    }
+
+    /// The same with a panel over the picture.
+    ///
+    /// # Errors
+    /// The size is out of range, or the driver fails.
+    pub fn with_panel(
+        &mut self,
+        drawing: &Drawing,
+        moment: &Moment,
+        panel: &[Primitive],
+        size: [u32; 2],
+    ) -> Result<Image, ScreenError> {
         let most = self.graphics.largest();
         let [width, height] = size;
         if size.iter().any(|n| !(16..=most).contains(n)) {
@@ -245,7 +260,7 @@ impl Renderer {
             1,
             usage,
         );
-        self.draw(drawing, moment, &view(&target), size);
+        self.draw(drawing, moment, panel, &view(&target), size);
         read_back::read(&self.graphics, &target)
     }
 
@@ -254,6 +269,7 @@ impl Renderer {
         &mut self,
         drawing: &Drawing,
         moment: &Moment,
+        panel: &[Primitive],
         target: &TextureView,
         size: [u32; 2],
     ) {
@@ -306,6 +322,10 @@ impl Renderer {
                     pass.draw(0..FAN, 0..1);
                 }
             }
+        }
+        if !panel.is_empty() {
+            self.panel
+                .draw(&self.graphics, &mut encoder, panel, target, size);
         }
         self.graphics.queue.submit([encoder.finish()]);
     }

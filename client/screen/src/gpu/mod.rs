@@ -3,11 +3,14 @@
 mod adapter;
 mod buffers;
 mod draw;
+mod panel;
 mod pipelines;
 mod read_back;
+mod surface;
 mod targets;
 mod uniforms;
 
 pub use adapter::{Backend, Graphics};
 pub use draw::{Drawing, Mode, Renderer};
 pub use read_back::Image;
+pub use surface::{Screen, Target};

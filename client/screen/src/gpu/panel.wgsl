@@ -7,7 +7,7 @@ struct Size { pixels: vec4f };
 
 struct Corner {
     @location(0) at: vec2f,
-    // Texel of the atlas; negative for a plain rectangle.
+    // Texel of the atlas.
     @location(1) texel: vec2f,
     // Linear colour with alpha.
     @location(2) colour: vec4f,
@@ -31,9 +31,6 @@ fn vertex(in: Corner) -> Drawn {
 
 @fragment
 fn pixel(in: Drawn) -> @location(0) vec4f {
-    var cover = 1.0;
-    if (in.texel.x >= 0.0) {
-        cover = textureLoad(atlas, vec2u(in.texel), 0).r;
-    }
+    let cover = textureLoad(atlas, vec2u(in.texel), 0).r;
     return vec4f(in.colour.rgb, in.colour.a * cover);
 }

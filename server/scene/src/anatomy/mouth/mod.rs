@@ -7,6 +7,7 @@
 //! between neighbours.
 
 mod drawn;
+mod drawn_teeth;
 mod faces;
 mod packed_tissue;
 mod standing;
@@ -22,6 +23,7 @@ use crate::file::{Condition, MouthEntry};
 use crate::hand_written::FileError;
 
 pub use drawn::{DEPTH_MM, DrawnGingiva, drawn_gingivae};
+pub use drawn_teeth::{DrawnTooth, drawn_teeth};
 pub(crate) use packed_tissue::{placed_gingiva, placed_mesh};
 pub use standing::JAW_TOP;
 pub(crate) use standing::{Standing, standing};
