@@ -75,7 +75,8 @@ impl Grid {
         let (low, high) = used().fold((first, first), |(low, high), v| {
             (low.inf(&place(*v)), high.sup(&place(*v)))
         });
-        let low = low - V::repeat(CELL_MM);
+        // The lowest surface lies in the middle of its cells: at their border its two sides would differ by a cell.
+        let low = low - V::repeat(1.5 * CELL_MM);
         let size = high - low;
         let count: [usize; 3] = std::array::from_fn(|k| (size[k] / CELL_MM) as usize + 2);
         if count.iter().any(|n| *n > MOST) {
