@@ -15,7 +15,7 @@ const CELL_MM: f32 = 0.5;
 const START_MM: f32 = 0.9;
 /// Number of steps within which a ray may leave the cells in which it begins.
 const LEAVES: usize = 3;
-/// Number of times that the shares are averaged with those of the neighbouring vertices: cells leave steps.
+/// Number of times that the shares are averaged with those of the neighbouring vertices.
 const SMOOTHED: usize = 3;
 /// Number of rays of a vertex.
 const RAYS: usize = 48;
@@ -48,14 +48,10 @@ pub(crate) fn bake(parts: &[Part], corners: &[u32], moving: &[Moving], still: &m
             });
         }
     });
-    let used = parts.iter().map(|part| part.corners.clone());
-    if let (Some(begin), Some(end)) = (used.clone().map(|c| c.start).min(), used.map(|c| c.end).max()) {
-        smooth(&corners[begin..end], still);
-    }
 }
 
-/// Averages the open shares of neighbouring vertices.
-fn smooth(corners: &[u32], still: &mut [Still]) {
+/// Averages the open shares of neighbouring vertices: the cells of the grid would show as steps.
+pub(crate) fn smooth(corners: &[u32], still: &mut [Still]) {
     for _ in 0..SMOOTHED {
         let mut sums: Vec<(u32, u32)> = still.iter().map(|still| (2 * u32::from(still.finish[3]), 2)).collect();
         for triangle in corners.chunks_exact(3) {
