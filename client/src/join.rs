@@ -10,7 +10,7 @@ use sulcus_connection::link::{Link, LinkConfig, Pin};
 use sulcus_connection::perform::perform;
 use sulcus_connection::progress::Steps;
 use sulcus_demo::exercise;
-use sulcus_demo::seat::{Seat, taken};
+use sulcus_demo::seat::{self, Seat, taken};
 use sulcus_demo::simulated::Simulated;
 use sulcus_program::{PathText, say, tell};
 use sulcus_proto::control::EndReason;
@@ -39,6 +39,7 @@ pub fn run_at(args: &RunArgs, seat: Seat<'_>) -> anyhow::Result<u8> {
         );
     }
     let mut config = link_config(args)?;
+    config.device.name = seat::device(seat).to_owned();
     let steps = Steps;
     let asked = exercise::Asked {
         scene: args.scene.as_deref(),
@@ -57,7 +58,9 @@ pub fn run_at(args: &RunArgs, seat: Seat<'_>) -> anyhow::Result<u8> {
     let link =
         Link::connect(config.clone()).with_context(|| format!("server `{}`", args.server))?;
     let hello = link.hello();
-    if hello.scene_hash != prepared.scene_hash() {
+    // A person needs no scene: the server's display is enough.
+    let is_simulated = seat::device(seat) == "simulated";
+    if is_simulated && hello.scene_hash != prepared.scene_hash() {
         bail!(
             "the server simulates scene `{}`, which differs from the simulated operator's scene `{}`; give the server's scene file with --scene, the seed of its patient with --patient-seed, and its rate with --rate-hz",
             hello.scene,

@@ -18,9 +18,22 @@ pub struct Begun<'a> {
 /// Takes a device before its session, and returns the device that performs the session.
 pub type Taker<'a> = dyn Fn(&Begun<'_>, Box<dyn EventDevice>) -> Box<dyn EventDevice> + 'a;
 
-/// Seat with a screen, which returns a device that shows what it exchanges. `None`: no screen, and the server makes no
-/// display of the scene.
-pub type Seat<'a> = Option<&'a Taker<'a>>;
+/// Seat with a screen; `None`: no screen, and the server makes no display of the scene.
+pub type Seat<'a> = Option<Screen<'a>>;
+
+/// Screen of a seat.
+#[derive(Clone, Copy)]
+pub struct Screen<'a> {
+    /// Name of the device that takes the place of the simulated operator; `None`: the operator performs.
+    pub device: Option<&'static str>,
+    /// Returns a device that shows what it exchanges.
+    pub take: &'a Taker<'a>,
+}
+
+/// Name of the device that performs a session.
+pub fn device(seat: Seat<'_>) -> &'static str {
+    seat.and_then(|screen| screen.device).unwrap_or("simulated")
+}
 
 /// Device in a seat, for a connected link.
 pub fn taken(
@@ -36,7 +49,7 @@ pub fn taken(
         exercise,
     };
     match seat {
-        Some(take) => take(&begun, Box::new(device)),
+        Some(screen) => (screen.take)(&begun, Box::new(device)),
         None => Box::new(device),
     }
 }

@@ -16,6 +16,8 @@ pub mod eye;
 #[cfg(feature = "gpu")]
 pub mod gpu;
 pub mod hand;
+#[cfg(feature = "window")]
+mod input;
 pub mod lamp;
 pub mod material;
 pub mod mirror;

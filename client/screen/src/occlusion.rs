@@ -53,7 +53,10 @@ pub(crate) fn bake(parts: &[Part], corners: &[u32], moving: &[Moving], still: &m
 /// Averages the open shares of neighbouring vertices: the cells of the grid would show as steps.
 pub(crate) fn smooth(corners: &[u32], still: &mut [Still]) {
     for _ in 0..SMOOTHED {
-        let mut sums: Vec<(u32, u32)> = still.iter().map(|still| (2 * u32::from(still.finish[3]), 2)).collect();
+        let mut sums: Vec<(u32, u32)> = still
+            .iter()
+            .map(|still| (2 * u32::from(still.finish[3]), 2))
+            .collect();
         for triangle in corners.chunks_exact(3) {
             for k in 0..3 {
                 let other = u32::from(still[triangle[(k + 1) % 3] as usize].finish[3]);

@@ -133,7 +133,9 @@ impl Stage {
             &stage.moving,
             &mut stage.still,
         );
-        let end = stage.parts[..objects].last().map_or(0, |part| part.corners.end);
+        let end = stage.parts[..objects]
+            .last()
+            .map_or(0, |part| part.corners.end);
         occlusion::smooth(&stage.corners[..end], &mut stage.still);
         stage
     }
