@@ -27,6 +27,7 @@ mod frames;
 mod glass;
 mod handles;
 mod spots;
+mod surface;
 
 pub use display::Display;
 pub use frames::Frames;

@@ -1,0 +1,134 @@
+//! Triangles of the sheet, in pieces: a tooth's gingiva, a healed ridge, and the rest.
+
+use std::collections::BTreeMap;
+
+use sulcus_core::Vec3;
+
+use super::gap::{ACROSS, arc_angle, share};
+use super::path::{GINGIVA, POINTS, margin_point};
+use super::strip::{Start, Strip};
+use super::{Mark, Mouth, Part, Piece, sizes};
+
+/// Row at which a gingiva ends and the rest begins: just below the mucogingival line.
+const CUT: usize = GINGIVA + 1;
+
+/// A piece in the making. A vertex is shared by its place.
+#[derive(Default)]
+struct Making {
+    piece: Piece,
+    known: BTreeMap<[u64; 3], u32>,
+}
+
+impl Making {
+    fn vertex(&mut self, (at, mark): &(Vec3, Mark)) -> u32 {
+        let at = at * 1e-3;
+        let key = [at.x, at.y, at.z].map(|x| (x + 0.0).to_bits());
+        *self.known.entry(key).or_insert_with(|| {
+            self.piece.mesh.vertices.push(at);
+            self.piece.marks.push(*mark);
+            (self.piece.marks.len() - 1) as u32
+        })
+    }
+
+    /// Two triangles of `a`, `b` and the points across, `c` beside `a` and `d` beside `b`. The normal is
+    /// `(b - a) x (c - a)`.
+    fn quad(&mut self, a: &(Vec3, Mark), b: &(Vec3, Mark), c: &(Vec3, Mark), d: &(Vec3, Mark)) {
+        let [a_at, b_at, c_at, d_at] = [a.0, b.0, c.0, d.0];
+        let [a, b, c, d] = [a, b, c, d].map(|v| self.vertex(v));
+        // Cut along the shorter diagonal.
+        let halves = if (a_at - d_at).norm() < (b_at - c_at).norm() {
+            [[a, b, d], [a, d, c]]
+        } else {
+            [[a, b, c], [b, d, c]]
+        };
+        let is_whole = |t: &[u32; 3]| t[0] != t[1] && t[1] != t[2] && t[2] != t[0];
+        self.piece.mesh.triangles.extend(halves.into_iter().filter(is_whole));
+    }
+}
+
+/// Columns of a side with their points.
+pub(super) struct Woven {
+    pub strip: Strip,
+    pub points: Vec<Vec<(Vec3, Mark)>>,
+}
+
+/// Pieces by place of the arch, and the rest.
+pub(super) fn weave(mouth: &Mouth<'_>, sides: &[Woven; 2], own: &[bool]) -> (Vec<Piece>, Piece) {
+    let mut rest = Making::default();
+    let mut cells: Vec<Making> = mouth.cells.iter().map(|_| Making::default()).collect();
+    for (side, woven) in sides.iter().enumerate() {
+        let columns = woven.points.len();
+        let gaps = &woven.strip.gaps;
+        for c in 0..columns - 1 {
+            let cell = (0..mouth.cells.len()).find(|k| (gaps[*k]..gaps[*k + 1]).contains(&c));
+            for row in 0..POINTS[side] - 1 {
+                let into = match cell {
+                    Some(k) if own[k] && row < CUT => &mut cells[k],
+                    _ => &mut rest,
+                };
+                let at = |c: usize, row: usize| &woven.points[c][row];
+                let (a, below) = (at(c, row), at(c, row + 1));
+                let (beside, across) = (at(c + 1, row), at(c + 1, row + 1));
+                if side == 0 {
+                    into.quad(a, below, beside, across);
+                } else {
+                    into.quad(a, beside, below, across);
+                }
+            }
+        }
+    }
+    for (k, gap) in mouth.gaps.iter().enumerate() {
+        let saddle: Vec<(Vec3, Mark)> = gap
+            .saddle
+            .iter()
+            .map(|at| (*at, between(sides, k)))
+            .collect();
+        for is_after in [false, true] {
+            let cell = if is_after { Some(k) } else { k.checked_sub(1) };
+            let cell = cell.filter(|k| *k < mouth.cells.len());
+            let arc = arc(mouth, sides, k, is_after);
+            let into = match cell {
+                Some(k) if own[k] => &mut cells[k],
+                _ => &mut rest,
+            };
+            for j in 0..ACROSS - 1 {
+                let (low, high) = if is_after { (&saddle, &arc) } else { (&arc, &saddle) };
+                into.quad(&low[j], &high[j], &low[j + 1], &high[j + 1]);
+            }
+        }
+    }
+    (cells.into_iter().map(|making| making.piece).collect(), rest.piece)
+}
+
+/// Mark of a papilla's saddle.
+fn between(sides: &[Woven; 2], k: usize) -> Mark {
+    let column = sides[0].strip.gaps[k];
+    sides[0].points[column][0].1
+}
+
+/// Points of the neighbour beside a gap, from the facial to the lingual peak: its margin, or the end of its crest.
+fn arc(mouth: &Mouth<'_>, sides: &[Woven; 2], k: usize, is_after: bool) -> Vec<(Vec3, Mark)> {
+    let column = sides[0].strip.gaps[k];
+    let beside = if is_after { column + 1 } else { column - 1 };
+    let start = &sides[0].strip.columns[beside].start;
+    let mark = sides[0].points[beside][0].1;
+    match *start {
+        Start::Margin { cell, .. } => {
+            let tooth = &mouth.cells[cell];
+            let end = if is_after { tooth.low_end() } else { 1 - tooth.low_end() };
+            (0..ACROSS)
+                .map(|j| {
+                    let around = arc_angle(tooth, end, share(j));
+                    let at = margin_point(mouth, cell, around, tooth.margin(around));
+                    (at, mark)
+                })
+                .collect()
+        }
+        Start::Papilla(at) | Start::Crest(at) => vec![(at, mark); ACROSS],
+    }
+}
+
+/// Whether a mark is that of the first row at a margin.
+pub(super) fn is_margin(mark: &Mark) -> bool {
+    mark.part == Part::Gingiva && !mark.is_ridge && mark.below < 0.5 * sizes::SUNK
+}
