@@ -24,6 +24,8 @@ const DEEP: [f64; 4] = [1.0, 1.0, 2.0, 3.0];
 const FADES: f64 = 1.5;
 /// Share of the rim's change in the rest of the attached gingiva.
 const BAND: f64 = 0.5;
+/// Place along the arch at which the retromolar pads begin, mm.
+const PAD_FROM: f64 = 51.0;
 /// Length of the colour step at the mucogingival line, mm.
 const STEP: f64 = 0.4;
 /// Colour of the veins under the floor and the tongue, and of the dark behind the mouth.
@@ -43,7 +45,11 @@ pub(crate) fn colour(at: &Vec3, mark: &Mark) -> [u8; 4] {
 
 fn zone(at: &Vec3, mark: &Mark) -> Lab {
     match mark.part {
-        Part::Gingiva if mark.is_ridge => mix(ATTACHED, PAD, if mark.s.abs() > 45.0 { 1.0 } else { 0.3 }),
+        Part::Gingiva if mark.is_ridge => {
+            // A pad is firm and pink in front, softer and redder behind.
+            let behind = fclamp((mark.s.abs() - PAD_FROM) / 8.0, 0.0, 1.0);
+            mix(mix(ATTACHED, PAD, 0.3 + 0.7 * behind), MUCOSA, beyond(mark))
+        }
         Part::Gingiva => gingiva(mark),
         Part::Mucosa => {
             // Vessels along the mucosa: thin ridges of a noise.
@@ -72,14 +78,16 @@ fn gingiva(mark: &Mark) -> Lab {
     let deep = DEEP[(grade as usize).min(3)] + mark.papilla;
     let share = 1.0 - (1.0 - BAND) * fclamp((mark.below - deep) / FADES, 0.0, 1.0);
     let lab: Lab = std::array::from_fn(|k| healthy[k] + share * change[k]);
-    let whole = mark.below / fmax(mark.share, 1e-6);
-    // The step to the mucosa lies half above and half below the line.
-    let beyond = if mark.share > 0.5 {
-        fclamp(0.5 + (mark.below - whole) / STEP, 0.0, 0.5)
-    } else {
-        0.0
-    };
-    mix(lab, MUCOSA, beyond)
+    mix(lab, MUCOSA, beyond(mark))
+}
+
+/// Share of the mucosa's colour above the mucogingival line. The step lies half above and half below the line.
+fn beyond(mark: &Mark) -> f64 {
+    if mark.share < 0.5 {
+        return 0.0;
+    }
+    let whole = mark.below / mark.share;
+    fclamp(0.5 + (mark.below - whole) / STEP, 0.0, 0.5)
 }
 
 /// Colour of a grade, 0 to 3.

@@ -21,6 +21,8 @@ const FLANK: f64 = 1.0;
 const CLEAR: f64 = 0.05;
 /// Least distance of a peak beyond a charted site, mm. A nearer peak is moved between site and contact.
 const BEYOND: f64 = 0.3;
+/// Half width of a narrow tip, as a share of the distance between contact and site.
+const NARROW: f64 = 0.4;
 /// Range of the search for a tooth's surface beside its convex section, mm.
 const NEAR: f64 = 0.9;
 
@@ -170,8 +172,8 @@ impl<'a> Cell<'a> {
             } else {
                 Flank {
                     from: f64::INFINITY,
-                    peak: site - CLEAR,
-                    level: 0.4 * (site - CLEAR),
+                    peak: NARROW * (site - CLEAR),
+                    level: NARROW * (site - CLEAR),
                     to: site - CLEAR,
                 }
             }

@@ -4,6 +4,7 @@ use sulcus_core::Vec3;
 use sulcus_core::math::{fclamp, fmin};
 
 use super::cell::Cell;
+use super::face::Faces;
 use super::line::{Line, SIDE};
 use super::ridge::Ridge;
 use super::sizes;
@@ -13,6 +14,8 @@ pub(super) const ACROSS: usize = 7;
 
 /// Height of a papilla's tip over the margins beside the tip, for each mm between both. Chosen.
 const POINTED: f64 = 0.55;
+/// Number of the first plane from the midline whose papilla has two peaks.
+const BROAD: usize = 4;
 
 /// Plane between places `k - 1` and `k`, seen from the right to the left; 0 is in front of the right pad's ridge.
 pub(super) struct Gap {
@@ -63,7 +66,12 @@ fn order(k: usize) -> usize {
 
 impl Gap {
     /// Plane `k` of all 15.
-    pub fn new(line: &Line, cells: &[Cell<'_>], ridge: &Ridge, k: usize) -> Self {
+    pub fn new(
+        line: &Line,
+        cells: &[Cell<'_>],
+        (ridge, faces): (&Ridge, &Faces),
+        k: usize,
+    ) -> Self {
         let s = line.knot(k + 1);
         let beside = [
             (k > 0).then(|| (&cells[k.wrapping_sub(1)], false)),
@@ -89,19 +97,16 @@ impl Gap {
                     2 => {
                         // The film hangs up between the teeth as far as the gap is broad, to a pointed tip.
                         let broad = (rim[0] - rim[1]).norm();
-                        let up = fmin(POINTED * broad, 0.7) * share * share;
+                        let peaked = if order(k) < BROAD { 1.0 } else { share * share };
+                        let up = fmin(POINTED * broad, 0.7) * peaked;
                         line.at(s, line.of(&mean)[1], mean.z + up)
                     }
                     1 => {
                         // From the margin onto the ridge.
-                        let on = ridge.crest(s);
-                        let d = share * 2.6;
-                        line.at(s, d + ridge.middle(s), 0.5 * (on + mean.z) - 0.25 * share * share)
+                        let cap = ridge.cap(line, faces, s, share);
+                        Vec3::new(cap.x, cap.y, 0.5 * (cap.z + mean.z))
                     }
-                    _ => {
-                        let drop = 0.35 * share * share;
-                        line.at(s, share * 1.8 + ridge.middle(s), ridge.crest(s) - drop)
-                    }
+                    _ => ridge.cap(line, faces, s, share),
                 }
             })
             .collect();

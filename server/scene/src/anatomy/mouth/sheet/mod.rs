@@ -179,7 +179,7 @@ impl<'a> Mouth<'a> {
         gap::raise(&mut cells);
         let faces = Faces::new(&line, &cells);
         let ridge = Ridge::new(&line, &cells, &faces);
-        let gaps = (0..=cells.len()).map(|k| Gap::new(&line, &cells, &ridge, k)).collect();
+        let gaps = (0..=cells.len()).map(|k| Gap::new(&line, &cells, (&ridge, &faces), k)).collect();
         let levels = Levels::new(&line, &cells);
         Self {
             line,

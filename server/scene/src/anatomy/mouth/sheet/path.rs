@@ -6,6 +6,7 @@ use sulcus_core::Vec3;
 use sulcus_core::math::{fclamp, fmax, fmin};
 
 use super::floor;
+use super::ridge::Ridge;
 use super::strip::{Column, Start};
 use super::{Mark, Mouth, Part, sizes};
 use crate::mesh::implicit::{bell, ramp};
@@ -108,7 +109,7 @@ pub(super) fn margin_point(mouth: &Mouth<'_>, cell: usize, around: f64, z: f64) 
 
 /// Depth of a row under the start of its column, mm. Rows are denser near the margin.
 fn depth(start: &Start, whole: f64, row: usize) -> f64 {
-    let exponent = if matches!(start, Start::Crest(_)) { 2.0 } else { 1.4 };
+    let exponent = if matches!(start, Start::Crest(_)) { 1.6 } else { 1.4 };
     match row {
         0 => 0.0,
         1 => 0.02,
@@ -124,8 +125,7 @@ fn along(column: &Column, below: f64) -> f64 {
 /// Share of the way from the tooth to the outer face at a depth, 0 to 1. `reach` is that way at the margin, mm.
 fn thickness(start: &Start, reach: f64, below: f64) -> f64 {
     if matches!(start, Start::Crest(_)) {
-        let up = 1.0 - fclamp(below / 3.2, 0.0, 1.0);
-        return fmax(1.0 - up * up, 0.0).sqrt();
+        return Ridge::ellipse(reach, below);
     }
     let whole = fclamp(1.5 * reach, 1.6, 4.5);
     1.0 - libm::pow(1.0 - fclamp(below / whole, 0.0, 1.0), 1.6)
@@ -190,7 +190,9 @@ fn outside(
     }
     let angle = PI + turn;
     let (radius, start) = (RADIUS, bottom + RADIUS);
-    let centre = d_of(start, s) + radius;
+    // The lip does not follow each root.
+    let spread = (-4..=4).map(|k| d_of(start, s + f64::from(k)) / 9.0);
+    let centre = spread.sum::<f64>() + radius;
     let (d, z) = (centre + radius * libm::cos(angle), start + radius * libm::sin(angle));
     let length = LENGTH[0] + (LENGTH[1] - LENGTH[0]) * cheek;
     let (d, z) = (d + length * libm::cos(rise), z + length * libm::sin(rise));

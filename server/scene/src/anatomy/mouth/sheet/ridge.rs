@@ -1,5 +1,6 @@
 //! Crest of the tissue where no tooth stands: healed ridges and the retromolar pads.
 
+use sulcus_core::Vec3;
 use sulcus_core::math::{fclamp, fmax};
 
 use super::cell::Cell;
@@ -10,9 +11,15 @@ use crate::mesh::implicit::through;
 /// Height of a healed ridge over the junction of the missing tooth, and rise towards the neighbours, mm, as simulated.
 const HEALED: f64 = -2.0;
 const SADDLE: f64 = 0.8;
+/// Share of the way to the papilla of a neighbouring tooth that a ridge climbs at its end. Chosen.
+const CLIMBS: f64 = 0.6;
 /// Places behind the last tooth and heights of the pad over that tooth's junction, mm: half of the crown's height on the
 /// pad, then up into the fold to the upper jaw. Chosen.
 const PAD: [[f64; 5]; 2] = [[0.0, 3.0, 7.0, 12.0, BEHIND], [1.6, 2.0, 3.4, 5.0, 8.0]];
+
+/// Half width of the cap over the crest, and height of the rounding from crest to faces, mm. Chosen.
+const CAP: f64 = 1.8;
+const ROUND: f64 = 3.2;
 
 /// Crest by place.
 pub(super) struct Ridge {
@@ -32,9 +39,22 @@ impl Ridge {
             [base + SADDLE, base, base + SADDLE]
         };
         let mut heights: Vec<[f64; 3]> = cells.iter().map(of).collect();
-        // Neighbouring ridges meet at one height; the last one meets the pad.
+        // Neighbouring ridges meet at one height. Beside a tooth the ridge climbs towards the papilla.
         for k in 1..heights.len() {
-            let mean = 0.5 * (heights[k - 1][2] + heights[k][0]);
+            let beside = |k: usize, end: usize| {
+                let up = cells[k].level(0.0);
+                cells[k].papilla(end).map(|[_, margin]| up + margin)
+            };
+            let papillae = [
+                beside(k - 1, 1 - cells[k - 1].low_end()),
+                beside(k, cells[k].low_end()),
+            ];
+            let own = [heights[k - 1][2], heights[k][0]];
+            let mean = match papillae {
+                [None, None] => 0.5 * (own[0] + own[1]),
+                [Some(papilla), _] => own[1] + CLIMBS * (papilla - own[1]),
+                [None, Some(papilla)] => own[0] + CLIMBS * (papilla - own[0]),
+            };
             (heights[k - 1][2], heights[k][0]) = (mean, mean);
         }
         let bounds: Vec<f64> = (0..=cells.len()).map(|k| line.knot(k + 1)).collect();
@@ -63,11 +83,33 @@ impl Ridge {
         let [low, middle, high] = self.cells[k];
         let along = 2.0 * share - 1.0;
         let end = if along < 0.0 { low } else { high };
-        let ridge = middle + (end - middle) * along * along;
+        let ridge = middle + (end - middle) * libm::pow(along.abs(), 2.6);
         // Up to the pad behind the last place.
         let pad = self.behind + PAD[1][0];
         let rise = fmax(1.0 - (last - s.abs()) / 3.0, 0.0);
         ridge + (pad - ridge) * rise * rise
+    }
+
+    /// Point of the rounded crest at a share of the way from its middle to the facial (1) or lingual (-1) end.
+    pub fn cap(&self, line: &Line, faces: &Faces, s: f64, share: f64) -> Vec3 {
+        let (middle, top) = (self.middle(s), self.crest(s));
+        let drop = |share: f64| {
+            let half = half(faces, s, middle, top, share);
+            let out = fclamp(CAP * share / half, -1.0, 1.0);
+            ROUND * (1.0 - fmax(1.0 - out * out, 0.0).sqrt())
+        };
+        line.at(s, middle + CAP * share, top - drop(share))
+    }
+
+    /// Share of the way from an end of the cap to the outer face at a depth below that end, 0 to 1. `rest` is the whole
+    /// way, mm: an ellipse from the middle of the crest.
+    pub fn ellipse(rest: f64, below: f64) -> f64 {
+        let whole = CAP + rest;
+        let out = fclamp(CAP / whole, 0.0, 1.0);
+        let drop = ROUND * (1.0 - (1.0 - out * out).sqrt());
+        let up = 1.0 - fclamp((below + drop) / ROUND, 0.0, 1.0);
+        let at = whole * fmax(1.0 - up * up, 0.0).sqrt();
+        fclamp((at - CAP) / fmax(rest, 1e-9), 0.0, 1.0)
     }
 
     /// Middle between the faces, mm from the line.
@@ -89,4 +131,14 @@ impl Ridge {
         let (a, b) = (self.bounds[k], self.bounds[k + 1]);
         (k, fclamp((s - a) / (b - a), 0.0, 1.0))
     }
+}
+
+/// Distance from the middle of the crest to the face on a share's side, mm.
+fn half(faces: &Faces, s: f64, middle: f64, top: f64, share: f64) -> f64 {
+    let whole = if share < 0.0 {
+        faces.at(1, s, top) + middle
+    } else {
+        faces.at(0, s, top) - middle
+    };
+    fmax(whole, CAP)
 }

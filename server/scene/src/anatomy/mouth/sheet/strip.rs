@@ -21,7 +21,7 @@ pub(super) enum Start {
     Margin { cell: usize, around: f64, z: f64 },
     /// Tip of a papilla, world, mm.
     Papilla(Vec3),
-    /// Crest of a ridge, world, mm.
+    /// End of the cap over the crest of a ridge, world, mm.
     Crest(Vec3),
 }
 
@@ -47,8 +47,9 @@ pub(super) struct Strip {
 pub(super) fn strip(mouth: &Mouth<'_>, side: usize) -> Strip {
     let (mut columns, mut gaps) = (Vec::new(), Vec::new());
     let ends = [mouth.gaps[0].s, mouth.gaps[mouth.cells.len()].s];
+    let way = [1.0, -1.0][side];
     let crest = |s: f64| Column {
-        start: Start::Crest(crest(mouth, s)),
+        start: Start::Crest(mouth.ridge.cap(&mouth.line, &mouth.faces, s, way)),
         top: s,
         low: s,
         papilla: 0.0,
@@ -85,22 +86,18 @@ pub(super) fn strip(mouth: &Mouth<'_>, side: usize) -> Strip {
     Strip { columns, gaps }
 }
 
-/// Point of the crest where no tooth stands.
-fn crest(mouth: &Mouth<'_>, s: f64) -> Vec3 {
-    mouth.line.at(s, mouth.ridge.middle(s), mouth.ridge.crest(s))
-}
-
 fn in_gap(mouth: &Mouth<'_>, k: usize, side: usize) -> Column {
     let gap = &mouth.gaps[k];
     let tip = gap.saddle[if side == 0 { 0 } else { gap.saddle.len() - 1 }];
     let beside = [k.checked_sub(1), Some(k)].map(|c| c.and_then(|c| mouth.cells.get(c)));
     let teeth = beside.iter().flatten().filter(|cell| cell.visible.is_some());
     let own: Vec<f64> = teeth.map(|cell| cell.inflammation()).collect();
+    let is_between_teeth = own.len() == 2;
     Column {
-        start: Start::Papilla(tip),
+        start: if is_between_teeth { Start::Papilla(tip) } else { Start::Crest(tip) },
         top: gap.s,
         low: gap.s,
-        papilla: if own.is_empty() { 0.0 } else { 1.0 },
+        papilla: if is_between_teeth { 1.0 } else { 0.0 },
         inflammation: own.iter().sum::<f64>() / own.len().max(1) as f64,
     }
 }

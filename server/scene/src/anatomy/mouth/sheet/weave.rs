@@ -77,54 +77,61 @@ pub(super) fn weave(mouth: &Mouth<'_>, sides: &[Woven; 2], own: &[bool]) -> (Vec
             }
         }
     }
-    for (k, gap) in mouth.gaps.iter().enumerate() {
-        let saddle: Vec<(Vec3, Mark)> = gap
-            .saddle
-            .iter()
-            .map(|at| (*at, between(sides, k)))
-            .collect();
-        for is_after in [false, true] {
-            let cell = if is_after { Some(k) } else { k.checked_sub(1) };
-            let cell = cell.filter(|k| *k < mouth.cells.len());
-            let arc = arc(mouth, sides, k, is_after);
-            let into = match cell {
-                Some(k) if own[k] => &mut cells[k],
-                _ => &mut rest,
-            };
-            for j in 0..ACROSS - 1 {
-                let (low, high) = if is_after { (&saddle, &arc) } else { (&arc, &saddle) };
-                into.quad(&low[j], &high[j], &low[j + 1], &high[j + 1]);
-            }
+    let columns = sides[0].strip.columns.len();
+    for c in 0..columns - 1 {
+        let cell = (0..mouth.cells.len()).find(|k| {
+            let gaps = &sides[0].strip.gaps;
+            (gaps[*k]..gaps[*k + 1]).contains(&c)
+        });
+        let [low, high] = match (across(mouth, sides, c, true), across(mouth, sides, c + 1, false)) {
+            (Some(low), Some(high)) => [low, high],
+            // Both columns stand at the margin of one tooth.
+            _ => continue,
+        };
+        let into = match cell {
+            Some(k) if own[k] => &mut cells[k],
+            _ => &mut rest,
+        };
+        for j in 0..ACROSS - 1 {
+            into.quad(&low[j], &high[j], &low[j + 1], &high[j + 1]);
         }
     }
     (cells.into_iter().map(|making| making.piece).collect(), rest.piece)
 }
 
-/// Mark of a papilla's saddle.
-fn between(sides: &[Woven; 2], k: usize) -> Mark {
-    let column = sides[0].strip.gaps[k];
-    sides[0].points[column][0].1
-}
-
-/// Points of the neighbour beside a gap, from the facial to the lingual peak: its margin, or the end of its crest.
-fn arc(mouth: &Mouth<'_>, sides: &[Woven; 2], k: usize, is_after: bool) -> Vec<(Vec3, Mark)> {
-    let column = sides[0].strip.gaps[k];
-    let beside = if is_after { column + 1 } else { column - 1 };
-    let start = &sides[0].strip.columns[beside].start;
-    let mark = sides[0].points[beside][0].1;
-    match *start {
+/// Points from the facial to the lingual column `c`: a saddle, the cap of a ridge, or the margin under a contact.
+///
+/// `is_low` tells whether the neighbouring column has larger `s`. `None`: the column stands at the middle of a margin.
+fn across(
+    mouth: &Mouth<'_>,
+    sides: &[Woven; 2],
+    c: usize,
+    is_low: bool,
+) -> Option<Vec<(Vec3, Mark)>> {
+    let mark = sides[0].points[c][0].1;
+    let strip = &sides[0].strip;
+    if let Some(k) = strip.gaps.iter().position(|gap| *gap == c) {
+        return Some(mouth.gaps[k].saddle.iter().map(|at| (*at, mark)).collect());
+    }
+    let column = &strip.columns[c];
+    match column.start {
         Start::Margin { cell, .. } => {
             let tooth = &mouth.cells[cell];
-            let end = if is_after { tooth.low_end() } else { 1 - tooth.low_end() };
-            (0..ACROSS)
-                .map(|j| {
-                    let around = arc_angle(tooth, end, share(j));
-                    let at = margin_point(mouth, cell, around, tooth.margin(around));
-                    (at, mark)
-                })
-                .collect()
+            let beside = if is_low { c + 1 } else { c - 1 };
+            if !strip.gaps.contains(&beside) {
+                return None;
+            }
+            let end = if is_low { 1 - tooth.low_end() } else { tooth.low_end() };
+            let point = |j: usize| {
+                let around = arc_angle(tooth, end, share(j));
+                margin_point(mouth, cell, around, tooth.margin(around))
+            };
+            Some((0..ACROSS).map(|j| (point(j), mark)).collect())
         }
-        Start::Papilla(at) | Start::Crest(at) => vec![(at, mark); ACROSS],
+        Start::Papilla(_) | Start::Crest(_) => {
+            let cap = |j: usize| mouth.ridge.cap(&mouth.line, &mouth.faces, column.low, share(j));
+            Some((0..ACROSS).map(|j| (cap(j), mark)).collect())
+        }
     }
 }
 
