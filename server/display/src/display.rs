@@ -161,10 +161,7 @@ fn of_sheet(
 }
 
 /// Returns an object with its own shape, and its rule of motion.
-fn shown(
-    scene: &Scene,
-    object: &Object,
-) -> Result<(DisplayObject, Option<Follower>), CodecError> {
+fn shown(scene: &Scene, object: &Object) -> Result<(DisplayObject, Option<Follower>), CodecError> {
     let plain = |kind, mesh| DisplayObject {
         kind,
         fdi: object.fdi,
@@ -229,7 +226,14 @@ fn drawn_gingiva(
     };
     let sites = drawn.sites.iter().map(f32s).collect();
     let vertices = &drawn.piece.mesh.vertices;
-    gingiva(object, tooth, &margin, vertices, surface::piece(&drawn.piece)?, sites)
+    gingiva(
+        object,
+        tooth,
+        &margin,
+        vertices,
+        surface::piece(&drawn.piece)?,
+        sites,
+    )
 }
 
 fn mesh_gingiva(
@@ -252,7 +256,14 @@ fn clipped(
     let site = |degrees: f64| f32s(&pocket.at_margin(&crest, degrees.to_radians()));
     let sites = SITES_DEG.map(site).to_vec();
     let vertices = places(&mesh);
-    gingiva(object, &pocket.tooth, pocket.margin, &vertices, on_grid(&mesh)?, sites)
+    gingiva(
+        object,
+        &pocket.tooth,
+        pocket.margin,
+        &vertices,
+        on_grid(&mesh)?,
+        sites,
+    )
 }
 
 /// Returns a gingiva whose mesh follows handles near the margin.

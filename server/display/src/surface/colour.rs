@@ -18,7 +18,12 @@ const FLOOR: Lab = [45.0, 33.0, 17.0];
 const LIP: Lab = [50.0, 29.0, 17.0];
 const PAD: Lab = [52.0, 28.0, 17.0];
 /// Margin and papilla at the grades 0 to 3 of Loe and Silness.
-const RIM: [Lab; 4] = [FREE, [53.0, 28.0, 15.0], [49.0, 32.0, 14.0], [43.0, 34.0, 10.0]];
+const RIM: [Lab; 4] = [
+    FREE,
+    [53.0, 28.0, 15.0],
+    [49.0, 32.0, 14.0],
+    [43.0, 34.0, 10.0],
+];
 /// Depth of the inflamed rim below the margin, mm, by grade, and of the way down to the attached gingiva's share.
 const DEEP: [f64; 4] = [1.0, 1.0, 2.0, 3.0];
 const FADES: f64 = 1.5;

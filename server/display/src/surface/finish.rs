@@ -33,7 +33,11 @@ pub(crate) fn finish(at: &Vec3, mark: &Mark) -> Finish {
         Part::Gingiva if mark.is_ridge => (PAD, 0.25 * fclamp(mark.below, 0.0, 1.0), 0.0),
         Part::Gingiva => gingiva(at, mark),
         Part::Mucosa => (MUCOSA, 0.0, 0.1),
-        Part::Lip => (LIP + 0.3 * fclamp(2.0 * mark.share - 1.0, 0.0, 1.0), 0.0, 0.0),
+        Part::Lip => (
+            LIP + 0.3 * fclamp(2.0 * mark.share - 1.0, 0.0, 1.0),
+            0.0,
+            0.0,
+        ),
         Part::Floor => (MUCOSA, 0.0, 0.0),
     };
     let byte = |x: f64| (255.0 * fclamp(x, 0.0, 1.0)).round() as u8;
@@ -62,7 +66,8 @@ fn gingiva(at: &Vec3, mark: &Mark) -> (f64, f64, f64) {
     let high = fclamp(1.0 - mark.share * 2.0, 0.0, 1.0);
     let most = between + (papillae - between) * high;
     let place = over + (most - over) * mark.papilla;
-    let left = grade(&RIM) + (grade(&BAND) - grade(&RIM)) * fclamp((mark.below - 1.5) / 2.0, 0.0, 1.0);
+    let left =
+        grade(&RIM) + (grade(&BAND) - grade(&RIM)) * fclamp((mark.below - 1.5) / 2.0, 0.0, 1.0);
     let side = if mark.lingual { 0.4 } else { 1.0 };
     let patch = 0.85 + 0.3 * noise(at, 5.0, 5);
     let stipple = place * left * side * patch * (1.0 - free) * (1.0 - end);

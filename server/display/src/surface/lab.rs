@@ -52,7 +52,10 @@ mod tests {
         assert_eq!(srgb([100.0, 0.0, 0.0]), [255, 255, 255, 255]);
         assert_eq!(srgb([0.0, 0.0, 0.0]), [0, 0, 0, 255]);
         // Attached gingiva and alveolar mucosa, by another program.
-        for (lab, rgb) in [([56.0, 25.0, 16.0], [183, 117, 108]), ([48.0, 31.0, 17.0], [169, 92, 87])] {
+        for (lab, rgb) in [
+            ([56.0, 25.0, 16.0], [183, 117, 108]),
+            ([48.0, 31.0, 17.0], [169, 92, 87]),
+        ] {
             for (found, wanted) in srgb(lab).iter().zip(rgb) {
                 assert!(found.abs_diff(wanted) <= 1, "{lab:?}: {found} {wanted}");
             }

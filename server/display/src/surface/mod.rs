@@ -31,5 +31,6 @@ pub(crate) fn piece(piece: &Piece) -> Result<DisplayMesh, CodecError> {
 /// Returns the mesh of a tongue. Its shape is the simulated one.
 pub(crate) fn tongue(mesh: &sulcus_core::DisplayMesh) -> Result<DisplayMesh, CodecError> {
     let (colours, finishes) = tongue::tongue(mesh);
-    DisplayMesh::new(&mesh.vertices, &mesh.triangles, mesh.colour, &colours)?.with_finishes(finishes)
+    DisplayMesh::new(&mesh.vertices, &mesh.triangles, mesh.colour, &colours)?
+        .with_finishes(finishes)
 }

@@ -12,7 +12,13 @@ pub(crate) fn noise(at: &Vec3, size: f64, seed: u32) -> f64 {
     for corner in 0..8 {
         let step = [corner & 1, corner >> 1 & 1, corner >> 2 & 1];
         let weight: f64 = (0..3)
-            .map(|k| if step[k] == 1 { share[k] } else { 1.0 - share[k] })
+            .map(|k| {
+                if step[k] == 1 {
+                    share[k]
+                } else {
+                    1.0 - share[k]
+                }
+            })
             .product();
         let at = std::array::from_fn(|k| low[k].wrapping_add(step[k]));
         sum += weight * value(at, seed);
@@ -48,7 +54,10 @@ mod tests {
             (low, high, sum) = (now.min(low), now.max(high), sum + now);
             before = now;
         }
-        assert!(low < -0.4 && high > 0.4 && (sum / 20_000.0).abs() < 0.2, "{low} {high} {sum}");
+        assert!(
+            low < -0.4 && high > 0.4 && (sum / 20_000.0).abs() < 0.2,
+            "{low} {high} {sum}"
+        );
         assert_ne!(noise(&Vec3::zeros(), 4.0, 1), noise(&Vec3::zeros(), 4.0, 2));
     }
 }

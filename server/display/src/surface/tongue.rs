@@ -23,13 +23,21 @@ const ROUGH: [f64; 3] = [0.45, 0.22, 0.12];
 
 /// Colour and finish of each vertex of a tongue's mesh, metres.
 pub(crate) fn tongue(mesh: &DisplayMesh) -> (Vec<[u8; 4]>, Vec<Finish>) {
-    let vertices: Vec<Vec3> = mesh.vertices.iter().map(|v| Vec3::from(v.map(f64::from)) * 1e3).collect();
+    let vertices: Vec<Vec3> = mesh
+        .vertices
+        .iter()
+        .map(|v| Vec3::from(v.map(f64::from)) * 1e3)
+        .collect();
     let (mut low, mut high) = (Vec3::repeat(f64::INFINITY), Vec3::repeat(f64::NEG_INFINITY));
     for v in &vertices {
         (low, high) = (low.zip_map(v, fmin), high.zip_map(v, fmax));
     }
     let normals = normals(mesh, &vertices);
-    vertices.iter().zip(&normals).map(|(at, normal)| vertex(at, normal, &low, &high)).unzip()
+    vertices
+        .iter()
+        .zip(&normals)
+        .map(|(at, normal)| vertex(at, normal, &low, &high))
+        .unzip()
 }
 
 fn vertex(at: &Vec3, normal: &Vec3, low: &Vec3, high: &Vec3) -> ([u8; 4], Finish) {
@@ -44,10 +52,18 @@ fn vertex(at: &Vec3, normal: &Vec3, low: &Vec3, high: &Vec3) -> ([u8; 4], Finish
     // The coating lies on the middle of the back and grows towards the root.
     let patches = 0.5 + 0.5 * noise(at, 6.0, 6) + 0.3 * noise(at, 2.0, 7);
     let where_coated = ramp(0.9 - aside, 0.0, 0.5) * ramp(0.85 - along, 0.0, 0.45);
-    lab = mix(lab, COATING, COATED * fclamp(patches, 0.0, 1.0) * where_coated * back);
+    lab = mix(
+        lab,
+        COATING,
+        COATED * fclamp(patches, 0.0, 1.0) * where_coated * back,
+    );
     // Fungiform papillae are denser towards the tip.
     let spots = fclamp((noise(at, 1.6, 8) - 0.62) * 6.0, 0.0, 1.0);
-    lab = mix(lab, FUNGIFORM, 0.3 * spots * back * (0.25 + 0.75 * ramp(along, 0.4, 0.9)));
+    lab = mix(
+        lab,
+        FUNGIFORM,
+        0.3 * spots * back * (0.25 + 0.75 * ramp(along, 0.4, 0.9)),
+    );
     lab = mix(lab, UNDERSIDE, under);
     let vein = fmax(1.0 - (aside - 0.35).abs() / 0.12, 0.0);
     lab = mix(lab, VEIN, 0.6 * vein * under * ramp(along, 0.4, 0.6));
@@ -79,5 +95,7 @@ fn normals(mesh: &DisplayMesh, vertices: &[Vec3]) -> Vec<Vec3> {
             sums[*v as usize] += area;
         }
     }
-    sums.iter().map(|sum| sum / fmax(sum.norm(), 1e-12)).collect()
+    sums.iter()
+        .map(|sum| sum / fmax(sum.norm(), 1e-12))
+        .collect()
 }

@@ -4,7 +4,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 
 use sulcus_core::Vec3;
 use sulcus_core::math::{fclamp, fmax, fmin};
-use sulcus_core::tissue::gingiva::{Gingiva, Site};
+use sulcus_core::tissue::gingiva::Site;
 
 use super::super::{Standing, UNDER_CONTACT};
 use super::sizes;
@@ -66,11 +66,11 @@ pub(super) struct Flank {
 }
 
 impl<'a> Cell<'a> {
-    /// Place with the gingiva of `model`.
-    pub fn new(tooth: &'a Standing, model: Option<&Gingiva>) -> Self {
+    /// Place with a gingiva of this recession (mm, by site) and inflammation (0 to 1), or with a ridge.
+    pub fn new(tooth: &'a Standing, seen: Option<([f64; 6], f64)>) -> Self {
         Self {
             tooth,
-            visible: model.map(|model| visible(tooth, model)),
+            visible: seen.map(|(recession, inflammation)| visible(tooth, recession, inflammation)),
             ends: [End::default(); 2],
         }
     }
@@ -94,7 +94,10 @@ impl<'a> Cell<'a> {
     pub fn world(&self, around: f64, r: f64, z: f64) -> Vec3 {
         let mut frame = self.tooth.frame;
         frame.origin *= 1e3;
-        to_world(&frame, &Vec3::new(r * libm::cos(around), r * libm::sin(around), z))
+        to_world(
+            &frame,
+            &Vec3::new(r * libm::cos(around), r * libm::sin(around), z),
+        )
     }
 
     /// Height in the world, mm, of a height over the tooth's origin on its facial side.
@@ -125,7 +128,9 @@ impl<'a> Cell<'a> {
 
     /// Margin as simulated in a pocket of the usual depth, mm over the tooth's origin.
     pub fn simulated(&self, around: f64) -> f64 {
-        self.visible.as_ref().map_or(0.0, |seen| seen.sulcus.margin(around))
+        self.visible
+            .as_ref()
+            .map_or(0.0, |seen| seen.sulcus.margin(around))
     }
 
     /// Drawn margin, mm over the tooth's origin. Beside the contact the margin rises to the papilla's tip; elsewhere
@@ -160,7 +165,10 @@ impl<'a> Cell<'a> {
         let contact = self.tooth.contacts[end].y;
         let flanks = [0, 1].map(|side| {
             let around = sites[[[0, 5], [2, 3]][end][side]];
-            let r = self.tooth.sections.radius(around, seen.sulcus.margin(around));
+            let r = self
+                .tooth
+                .sections
+                .radius(around, seen.sulcus.margin(around));
             let site = fmax([1.0, -1.0][side] * (r * libm::sin(around) - contact), 0.3);
             if peak > site + BEYOND {
                 Flank {
@@ -233,8 +241,7 @@ pub(super) fn around(end: usize, side: f64, off: f64) -> f64 {
 }
 
 /// Margin of a tooth from its recession alone, in the way of a simulated pocket of the usual depth.
-fn visible(tooth: &Standing, model: &Gingiva) -> Visible {
-    let recession = model.sites.map(|site| site.recession * 1e3);
+fn visible(tooth: &Standing, recession: [f64; 6], inflammation: f64) -> Visible {
     let usual = [USUAL_MM; 6];
     let nearly = recession.map(|recession| -recession);
     let angles = SulcusProfile::new(&tooth.sections, usual, nearly).sites();
@@ -243,11 +250,13 @@ fn visible(tooth: &Standing, model: &Gingiva) -> Visible {
         let margin = tooth.shape.cej(angles[k]) - recession[k];
         // A papilla has room under the contact point only.
         let contact = site.is_mesial().map(|mesial| usize::from(!mesial));
-        contact.map_or(margin, |end| fmin(margin, tooth.contacts[end].z - UNDER_CONTACT))
+        contact.map_or(margin, |end| {
+            fmin(margin, tooth.contacts[end].z - UNDER_CONTACT)
+        })
     });
     Visible {
         sulcus: SulcusProfile::new(&tooth.sections, usual, margins),
         recession,
-        inflammation: fclamp(model.params.inflammation, 0.0, 1.0),
+        inflammation: fclamp(inflammation, 0.0, 1.0),
     }
 }

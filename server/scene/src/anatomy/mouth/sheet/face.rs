@@ -66,7 +66,10 @@ impl Faces {
         let rows = &self.table[side];
         let row = fclamp((z - LOW) / ROW, 0.0, (rows.len() - 1) as f64);
         let column = fclamp((s + self.half) / STEP, 0.0, (self.columns - 1) as f64);
-        let (k, j) = ((row as usize).min(rows.len() - 2), (column as usize).min(self.columns - 2));
+        let (k, j) = (
+            (row as usize).min(rows.len() - 2),
+            (column as usize).min(self.columns - 2),
+        );
         let (f, g) = (row - k as f64, column - j as f64);
         let on = |row: &[f64]| row[j] + (row[j + 1] - row[j]) * g;
         let (a, b) = (on(&rows[k]), on(&rows[k + 1]));
@@ -105,7 +108,11 @@ fn outline(line: &Line, cell: &Cell<'_>, side: usize, z: f64) -> Outline {
     let r = radius(way * FRAC_PI_2);
     let [s, d] = line.of(&cell.world(way * FRAC_PI_2, r, height));
     let thick = sizes::WALL + sizes::THICKENING * fmax(-height, 0.0);
-    let lost = if cell.visible.is_some() { 0.0 } else { RESORBED };
+    let lost = if cell.visible.is_some() {
+        0.0
+    } else {
+        RESORBED
+    };
     Outline {
         points,
         middle: [s, way * d - lost],
@@ -115,7 +122,10 @@ fn outline(line: &Line, cell: &Cell<'_>, side: usize, z: f64) -> Outline {
 }
 
 fn row_of(line: &Line, cells: &[Cell<'_>], side: usize, z: f64, columns: usize) -> Vec<f64> {
-    let outlines: Vec<Outline> = cells.iter().map(|cell| outline(line, cell, side, z)).collect();
+    let outlines: Vec<Outline> = cells
+        .iter()
+        .map(|cell| outline(line, cell, side, z))
+        .collect();
     let knots: [f64; 2 * SIDE] = std::array::from_fn(|k| outlines[k].middle[0]);
     let reach: [f64; 2 * SIDE] = std::array::from_fn(|k| outlines[k].middle[1] + outlines[k].wall);
     let half = line.half();
@@ -161,7 +171,11 @@ fn furrow(
         let share = 1.0 - ramp(-outlines[k].above, fades[0], fades[1]);
         sizes::RELIEF[cells[k].kind()] * [1.0, 0.6][side] * share
     };
-    let beside = if s < middle { k.saturating_sub(1) } else { (k + 1).min(cells.len() - 1) };
+    let beside = if s < middle {
+        k.saturating_sub(1)
+    } else {
+        (k + 1).min(cells.len() - 1)
+    };
     0.5 * (of(k) + of(beside)) * ramp(aside, 0.0, 1.0)
 }
 

@@ -31,7 +31,11 @@ pub(super) fn height(x: f64, y: f64) -> f64 {
     let off = FOLD.windows(2).fold(f64::INFINITY, |nearest, pair| {
         let ([ax, ay], [bx, by]) = (pair[0], pair[1]);
         let (dx, dy) = (bx - ax, by - ay);
-        let t = fclamp(((x - ax) * dx + (y - ay) * dy) / (dx * dx + dy * dy), 0.0, 1.0);
+        let t = fclamp(
+            ((x - ax) * dx + (y - ay) * dy) / (dx * dx + dy * dy),
+            0.0,
+            1.0,
+        );
         let (ex, ey) = (x - ax - t * dx, y - ay - t * dy);
         fmin(nearest, (ex * ex + ey * ey).sqrt())
     });

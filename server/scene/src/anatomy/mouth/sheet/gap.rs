@@ -78,10 +78,17 @@ impl Gap {
             cells.get(k).map(|cell| (cell, true)),
         ];
         let rim = |share: f64| -> Vec<Vec3> {
-            let teeth = beside.iter().flatten().filter(|(cell, _)| cell.visible.is_some());
+            let teeth = beside
+                .iter()
+                .flatten()
+                .filter(|(cell, _)| cell.visible.is_some());
             teeth
                 .map(|(cell, is_low)| {
-                    let end = if *is_low { cell.low_end() } else { 1 - cell.low_end() };
+                    let end = if *is_low {
+                        cell.low_end()
+                    } else {
+                        1 - cell.low_end()
+                    };
                     let turn = arc_angle(cell, end, share);
                     let z = cell.margin(turn);
                     cell.world(turn, cell.surface(turn, z), z)

@@ -89,7 +89,11 @@ impl Levels {
             return end + ramp(behind, 0.0, 9.0) * (end + PAD - end) * 0.3;
         }
         let k = (0..n).find(|k| s < self.bounds[k + 1]).unwrap_or(n - 1);
-        let (bound, to) = if s < self.middles[k] { (k, self.bounds[k]) } else { (k + 1, self.bounds[k + 1]) };
+        let (bound, to) = if s < self.middles[k] {
+            (k, self.bounds[k])
+        } else {
+            (k + 1, self.bounds[k + 1])
+        };
         let share = (s - self.middles[k]) / (to - self.middles[k]);
         // A wave, level in the middles and at the bounds.
         let wave = 0.5 - 0.5 * libm::cos(PI * share);
@@ -99,7 +103,10 @@ impl Levels {
     /// Height of the bottom of the vestibule, and its rise over a frenum, mm.
     pub fn vestibule(&self, s: f64) -> [f64; 2] {
         let bottom = through(&self.middles, &self.bottom, s);
-        let rises = self.frena.iter().map(|(at, most, width)| most * bell(s - at, *width));
+        let rises = self
+            .frena
+            .iter()
+            .map(|(at, most, width)| most * bell(s - at, *width));
         [bottom, rises.sum()]
     }
 

@@ -91,7 +91,10 @@ impl Line {
         if k == 0 {
             return [0.0, 1.0];
         }
-        let (a, b) = (self.nodes[k - 1], self.nodes[(k + 1).min(self.nodes.len() - 1)]);
+        let (a, b) = (
+            self.nodes[k - 1],
+            self.nodes[(k + 1).min(self.nodes.len() - 1)],
+        );
         let t = [b[0] - a[0], b[1] - a[1]];
         let length = (t[0] * t[0] + t[1] * t[1]).sqrt();
         [t[0] / length, t[1] / length]
@@ -142,7 +145,11 @@ fn sampled(through: &[[f64; 2]]) -> (Vec<[f64; 2]>, Vec<usize>) {
     };
     let (mut fine, mut ends) = (vec![through[0]], vec![0]);
     for k in 0..n - 1 {
-        let (a, b, length) = (through[k], through[k + 1], chord(through[k], through[k + 1]));
+        let (a, b, length) = (
+            through[k],
+            through[k + 1],
+            chord(through[k], through[k + 1]),
+        );
         let (u, v) = (slope(k), slope(k + 1));
         for j in 1..=SAMPLES {
             let t = j as f64 / SAMPLES as f64;

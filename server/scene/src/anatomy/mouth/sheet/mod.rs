@@ -137,15 +137,21 @@ struct Mouth<'a> {
 pub fn sheet(scene: &Scene) -> Option<Sheet> {
     let all = standing();
     let gingiva = |fdi: u8, frame: &ToothFrame| -> Option<(usize, &Gingiva)> {
-        scene.objects.iter().enumerate().find_map(|(k, object)| match &object.tissue {
-            TissueModel::Gingiva(model) if object.fdi == fdi && same(&model.tooth, frame) => {
-                Some((k, &**model))
-            }
-            _ => None,
-        })
+        scene
+            .objects
+            .iter()
+            .enumerate()
+            .find_map(|(k, object)| match &object.tissue {
+                TissueModel::Gingiva(model) if object.fdi == fdi && same(&model.tooth, frame) => {
+                    Some((k, &**model))
+                }
+                _ => None,
+            })
     };
-    let found: Vec<Option<(usize, &Gingiva)>> =
-        all.iter().map(|tooth| gingiva(tooth.fdi, &tooth.frame)).collect();
+    let found: Vec<Option<(usize, &Gingiva)>> = all
+        .iter()
+        .map(|tooth| gingiva(tooth.fdi, &tooth.frame))
+        .collect();
     if found.iter().all(Option::is_none) {
         return None;
     }
@@ -154,9 +160,18 @@ pub fn sheet(scene: &Scene) -> Option<Sheet> {
         scene.objects.iter().position(|object| object.name == name)
     };
     let ridges: Vec<Option<usize>> = all.iter().map(|tooth| ridge(tooth.fdi)).collect();
-    let cells = all.iter().zip(&found);
-    let mouth = Mouth::new(cells.map(|(tooth, found)| Cell::new(tooth, found.map(|(_, model)| model))).collect());
-    let own: Vec<bool> = (0..all.len()).map(|k| found[k].is_some() || ridges[k].is_some()).collect();
+    let seen = |model: &Gingiva| {
+        let recession = model.sites.map(|site| site.recession * 1e3);
+        (recession, model.params.inflammation)
+    };
+    let cells = all.iter().zip(&found).map(|(tooth, found)| {
+        let seen = found.map(|(_, model)| seen(model));
+        Cell::new(tooth, seen)
+    });
+    let mouth = Mouth::new(cells.collect());
+    let own: Vec<bool> = (0..all.len())
+        .map(|k| found[k].is_some() || ridges[k].is_some())
+        .collect();
     let (pieces, rest) = weave(&mouth, &woven(&mouth), &own);
     let mut sheet = Sheet {
         gingivae: scene.objects.iter().map(|_| None).collect(),
@@ -179,7 +194,9 @@ impl<'a> Mouth<'a> {
         gap::raise(&mut cells);
         let faces = Faces::new(&line, &cells);
         let ridge = Ridge::new(&line, &cells, &faces);
-        let gaps = (0..=cells.len()).map(|k| Gap::new(&line, &cells, (&ridge, &faces), k)).collect();
+        let gaps = (0..=cells.len())
+            .map(|k| Gap::new(&line, &cells, (&ridge, &faces), k))
+            .collect();
         let levels = Levels::new(&line, &cells);
         Self {
             line,

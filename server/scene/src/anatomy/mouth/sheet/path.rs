@@ -20,7 +20,8 @@ const LIP: usize = 6;
 /// Rows from the lingual wall to the middle of the floor.
 const FLOOR: usize = 7;
 /// Number of points of a column: facial and lingual.
-pub(super) const POINTS: [usize; 2] = [GINGIVA + 1 + WALL + ROUND + LIP, GINGIVA + 1 + WALL + FLOOR];
+pub(super) const POINTS: [usize; 2] =
+    [GINGIVA + 1 + WALL + ROUND + LIP, GINGIVA + 1 + WALL + FLOOR];
 
 /// Radius of the bottom of the vestibule, mm. Chosen.
 const RADIUS: f64 = 2.2;
@@ -40,7 +41,10 @@ const SHELF: [f64; 2] = [0.6, 4.0];
 pub(super) fn path(mouth: &Mouth<'_>, column: &Column, side: usize) -> Vec<(Vec3, Mark)> {
     let way = [1.0, -1.0][side];
     let from = place(mouth, &column.start, 0.0);
-    let line = fmin(mouth.levels.mucogingival(side, column.low), from.z - sizes::LEAST);
+    let line = fmin(
+        mouth.levels.mucogingival(side, column.low),
+        from.z - sizes::LEAST,
+    );
     let whole = from.z - line;
     let mut points = Vec::with_capacity(POINTS[side]);
     let mark = |part: Part, below: f64, share: f64, dark: f64| Mark {
@@ -62,7 +66,10 @@ pub(super) fn path(mouth: &Mouth<'_>, column: &Column, side: usize) -> Vec<(Vec3
         let share = below / whole;
         let at = place(mouth, &column.start, below);
         if row == 0 {
-            points.push((sunk(mouth, &column.start), mark(Part::Gingiva, 0.0, 0.0, 0.0)));
+            points.push((
+                sunk(mouth, &column.start),
+                mark(Part::Gingiva, 0.0, 0.0, 0.0),
+            ));
             continue;
         }
         let s = along(column, below);
@@ -87,7 +94,11 @@ fn place(mouth: &Mouth<'_>, start: &Start, below: f64) -> Vec3 {
             let cell = &mouth.cells[cell];
             let groove = cell.surface(around, z) - cell.tooth.sections.radius(around, z);
             let r = cell.tooth.sections.radius(around, z - below);
-            cell.world(around, r + groove * (1.0 - ramp(below, 0.0, 1.0)), z - below)
+            cell.world(
+                around,
+                r + groove * (1.0 - ramp(below, 0.0, 1.0)),
+                z - below,
+            )
         }
         Start::Papilla(at) | Start::Crest(at) => at - Vec3::z() * below,
     }
@@ -109,7 +120,11 @@ pub(super) fn margin_point(mouth: &Mouth<'_>, cell: usize, around: f64, z: f64) 
 
 /// Depth of a row under the start of its column, mm. Rows are denser near the margin.
 fn depth(start: &Start, whole: f64, row: usize) -> f64 {
-    let exponent = if matches!(start, Start::Crest(_)) { 1.6 } else { 1.4 };
+    let exponent = if matches!(start, Start::Crest(_)) {
+        1.6
+    } else {
+        1.4
+    };
     match row {
         0 => 0.0,
         1 => 0.02,
@@ -166,7 +181,10 @@ fn outside(
     let bottom = fmin(bottom, line - RADIUS - 0.25);
     // A frenum is a fin from the wall to the lip: the bottom rises and narrows, the lip stays.
     let frenum = fmin(frenum, line - bottom - RADIUS - 0.2).max(0.0);
-    let (radius, start) = (RADIUS - 0.25 * frenum, bottom + frenum + RADIUS - 0.25 * frenum);
+    let (radius, start) = (
+        RADIUS - 0.25 * frenum,
+        bottom + frenum + RADIUS - 0.25 * frenum,
+    );
     let widening = SHELF[0] + (SHELF[1] - SHELF[0]) * shelf;
     let d_of = |z: f64, s: f64| {
         let down = fclamp((line - z) / (line - bottom), 0.0, 1.0);
@@ -185,7 +203,10 @@ fn outside(
     let turn = 0.5 * PI + rise;
     for k in 1..=ROUND {
         let angle = PI + turn * k as f64 / ROUND as f64;
-        let (d, z) = (centre + radius * libm::cos(angle), start + radius * libm::sin(angle));
+        let (d, z) = (
+            centre + radius * libm::cos(angle),
+            start + radius * libm::sin(angle),
+        );
         put(d, z, Part::Mucosa, 1.0 + k as f64 / ROUND as f64, 0.0);
     }
     let angle = PI + turn;
@@ -193,7 +214,10 @@ fn outside(
     // The lip does not follow each root.
     let spread = (-4..=4).map(|k| d_of(start, s + f64::from(k)) / 9.0);
     let centre = spread.sum::<f64>() + radius;
-    let (d, z) = (centre + radius * libm::cos(angle), start + radius * libm::sin(angle));
+    let (d, z) = (
+        centre + radius * libm::cos(angle),
+        start + radius * libm::sin(angle),
+    );
     let length = LENGTH[0] + (LENGTH[1] - LENGTH[0]) * cheek;
     let (d, z) = (d + length * libm::cos(rise), z + length * libm::sin(rise));
     // The rim curves from the rise over the top and down; its centre lies below.
@@ -209,11 +233,23 @@ fn outside(
     for k in 1..LIP - 2 {
         let angle = 0.5 * PI + rise - TURN * k as f64 / (LIP - 3) as f64;
         let share = k as f64 / (LIP - 3) as f64;
-        let (d, z) = (rim[0] + RIM * libm::cos(angle), rim[1] + RIM * libm::sin(angle));
-        put(d, z, Part::Lip, 0.5 + 0.4 * share, 0.6 * ramp(share, 0.55, 1.0));
+        let (d, z) = (
+            rim[0] + RIM * libm::cos(angle),
+            rim[1] + RIM * libm::sin(angle),
+        );
+        put(
+            d,
+            z,
+            Part::Lip,
+            0.5 + 0.4 * share,
+            0.6 * ramp(share, 0.55, 1.0),
+        );
     }
     let angle = 0.5 * PI + rise - TURN;
-    let (d, z) = (rim[0] + RIM * libm::cos(angle), rim[1] + RIM * libm::sin(angle));
+    let (d, z) = (
+        rim[0] + RIM * libm::cos(angle),
+        rim[1] + RIM * libm::sin(angle),
+    );
     let (c, sine) = (libm::sin(angle), -libm::cos(angle));
     put(d + BEYOND * c, z + BEYOND * sine, Part::Lip, 1.0, 1.0);
 }

@@ -13,8 +13,6 @@ const ROUNDS: usize = 60;
 const WAY: f64 = 0.7;
 /// Depths between which the fairing ends, mm.
 const ENDS: [f64; 2] = [5.0, 8.0];
-/// Nearness to a papilla from which the fairing is complete.
-const NEAR: f64 = 0.35;
 
 /// Rounds of the final smoothing of all points below the margin, and share of the way in each.
 const SOFT: usize = 10;
@@ -22,11 +20,8 @@ const GENTLE: f64 = 0.45;
 
 /// Moves the points of a side's columns towards lip or tongue until each lies between its neighbours. Margins stay.
 pub(super) fn relax(mouth: &Mouth<'_>, strip: &Strip, points: &mut [Vec<(Vec3, Mark)>]) {
-    let film = |mark: &Mark| {
-        if mark.is_ridge {
-            return 0.0;
-        }
-        WAY * ramp(mark.papilla, 0.0, NEAR) * (1.0 - ramp(mark.below, ENDS[0], ENDS[1]))
+    let film = |c: usize, mark: &Mark| {
+        WAY * strip.columns[c].film * (1.0 - ramp(mark.below, ENDS[0], ENDS[1]))
     };
     let out: Vec<Vec3> = strip
         .columns
@@ -35,7 +30,7 @@ pub(super) fn relax(mouth: &Mouth<'_>, strip: &Strip, points: &mut [Vec<(Vec3, M
         .collect();
     rounds(ROUNDS, &out, points, 2..=GINGIVA, film);
     // Swelling and relief are broader than this smoothing reaches.
-    rounds(SOFT, &out, points, 3..=GINGIVA + WALL + 2, |_| GENTLE);
+    rounds(SOFT, &out, points, 3..=GINGIVA + WALL + 2, |_, _| GENTLE);
 }
 
 /// Moves the points of some rows, each a share of the way to the mean of its neighbours.
@@ -44,11 +39,11 @@ fn rounds(
     out: &[Vec3],
     points: &mut [Vec<(Vec3, Mark)>],
     rows: std::ops::RangeInclusive<usize>,
-    share: impl Fn(&Mark) -> f64,
+    share: impl Fn(usize, &Mark) -> f64,
 ) {
     let moving: Vec<(usize, usize, f64)> = (1..points.len() - 1)
         .flat_map(|c| rows.clone().map(move |row| (c, row)))
-        .map(|(c, row)| (c, row, share(&points[c][row].1)))
+        .map(|(c, row)| (c, row, share(c, &points[c][row].1)))
         .filter(|(_, _, share)| *share > 0.0)
         .collect();
     for _ in 0..count {

@@ -121,7 +121,11 @@ impl Ridge {
             return at * fmax(1.0 - (s.abs() - last) / 6.0, 0.0);
         }
         let (k, share) = self.at(s);
-        let (j, f) = if share < 0.5 { (2 * k, 2.0 * share) } else { (2 * k + 1, 2.0 * share - 1.0) };
+        let (j, f) = if share < 0.5 {
+            (2 * k, 2.0 * share)
+        } else {
+            (2 * k + 1, 2.0 * share - 1.0)
+        };
         self.middles[j] + (self.middles[j + 1] - self.middles[j]) * f
     }
 

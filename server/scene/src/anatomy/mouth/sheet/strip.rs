@@ -10,7 +10,7 @@ use crate::mesh::implicit::ramp;
 /// Columns of a side between two neighbours, by tooth from the midline backwards: about 0.35 mm apart at the margin.
 const COLUMNS: [usize; 7] = [15, 16, 18, 18, 18, 27, 25];
 /// Columns of a retromolar pad.
-pub(super) const PAD: usize = 12;
+pub(super) const PAD: usize = 11;
 /// Samples of a margin for columns at equal lengths.
 const FINE: usize = 160;
 
@@ -33,6 +33,8 @@ pub(super) struct Column {
     pub low: f64,
     /// Nearness to a gap: 0 in the middle of a tooth, 1 at the papilla.
     pub papilla: f64,
+    /// Share of the film between two margins: 0 over the middle of a root, 1 beside it.
+    pub film: f64,
     /// Inflammation, 0 to 1.
     pub inflammation: f64,
 }
@@ -53,6 +55,7 @@ pub(super) fn strip(mouth: &Mouth<'_>, side: usize) -> Strip {
         top: s,
         low: s,
         papilla: 0.0,
+        film: 0.0,
         inflammation: 0.0,
     };
     let half = mouth.line.half();
@@ -61,7 +64,9 @@ pub(super) fn strip(mouth: &Mouth<'_>, side: usize) -> Strip {
     for k in 0..=mouth.cells.len() {
         gaps.push(columns.len());
         columns.push(in_gap(mouth, k, side));
-        let Some(cell) = mouth.cells.get(k) else { break };
+        let Some(cell) = mouth.cells.get(k) else {
+            break;
+        };
         let count = COLUMNS[cell.kind()];
         let (from, to) = (mouth.gaps[k].s, mouth.gaps[k + 1].s);
         let low = |j: usize| from + (to - from) * (j + 1) as f64 / (count + 1) as f64;
@@ -78,6 +83,7 @@ pub(super) fn strip(mouth: &Mouth<'_>, side: usize) -> Strip {
                 top: mouth.line.of(&at)[0],
                 low: low(j),
                 papilla: ramp(aside, 0.45, 0.95),
+                film: ramp(aside, 0.12, 0.5),
                 inflammation: shared(mouth, k, low(j)),
             });
         }
@@ -90,14 +96,22 @@ fn in_gap(mouth: &Mouth<'_>, k: usize, side: usize) -> Column {
     let gap = &mouth.gaps[k];
     let tip = gap.saddle[if side == 0 { 0 } else { gap.saddle.len() - 1 }];
     let beside = [k.checked_sub(1), Some(k)].map(|c| c.and_then(|c| mouth.cells.get(c)));
-    let teeth = beside.iter().flatten().filter(|cell| cell.visible.is_some());
+    let teeth = beside
+        .iter()
+        .flatten()
+        .filter(|cell| cell.visible.is_some());
     let own: Vec<f64> = teeth.map(|cell| cell.inflammation()).collect();
     let is_between_teeth = own.len() == 2;
     Column {
-        start: if is_between_teeth { Start::Papilla(tip) } else { Start::Crest(tip) },
+        start: if is_between_teeth {
+            Start::Papilla(tip)
+        } else {
+            Start::Crest(tip)
+        },
         top: gap.s,
         low: gap.s,
         papilla: if is_between_teeth { 1.0 } else { 0.0 },
+        film: if is_between_teeth { 1.0 } else { 0.0 },
         inflammation: own.iter().sum::<f64>() / own.len().max(1) as f64,
     }
 }
@@ -111,7 +125,9 @@ fn shared(mouth: &Mouth<'_>, k: usize, s: f64) -> f64 {
     } else {
         (to - s, Some(k + 1))
     };
-    let other = other.and_then(|k| mouth.cells.get(k)).filter(|cell| cell.visible.is_some());
+    let other = other
+        .and_then(|k| mouth.cells.get(k))
+        .filter(|cell| cell.visible.is_some());
     let other = other.map_or(own, |cell| cell.inflammation());
     let share = 0.5 * (1.0 - ramp(near, 0.0, 1.6));
     own + (other - own) * share

@@ -7,7 +7,7 @@ use sulcus_core::Vec3;
 use super::gap::{ACROSS, arc_angle, share};
 use super::path::{GINGIVA, POINTS, margin_point};
 use super::strip::{Start, Strip};
-use super::{Mark, Mouth, Part, Piece, sizes};
+use super::{Mark, Mouth, Piece};
 
 /// Row at which a gingiva ends and the rest begins: just below the mucogingival line.
 const CUT: usize = GINGIVA + 1;
@@ -31,18 +31,31 @@ impl Making {
     }
 
     /// Two triangles of `a`, `b` and the points across, `c` beside `a` and `d` beside `b`. The normal is
-    /// `(b - a) x (c - a)`.
+    /// `(b - a) x (c - a)`. The cut is the shorter diagonal.
     fn quad(&mut self, a: &(Vec3, Mark), b: &(Vec3, Mark), c: &(Vec3, Mark), d: &(Vec3, Mark)) {
-        let [a_at, b_at, c_at, d_at] = [a.0, b.0, c.0, d.0];
+        self.cut(a, b, c, d, (a.0 - d.0).norm() < (b.0 - c.0).norm());
+    }
+
+    /// The same, cut from `a` to `d` or from `b` to `c`.
+    fn cut(
+        &mut self,
+        a: &(Vec3, Mark),
+        b: &(Vec3, Mark),
+        c: &(Vec3, Mark),
+        d: &(Vec3, Mark),
+        from_a: bool,
+    ) {
         let [a, b, c, d] = [a, b, c, d].map(|v| self.vertex(v));
-        // Cut along the shorter diagonal.
-        let halves = if (a_at - d_at).norm() < (b_at - c_at).norm() {
+        let halves = if from_a {
             [[a, b, d], [a, d, c]]
         } else {
             [[a, b, c], [b, d, c]]
         };
         let is_whole = |t: &[u32; 3]| t[0] != t[1] && t[1] != t[2] && t[2] != t[0];
-        self.piece.mesh.triangles.extend(halves.into_iter().filter(is_whole));
+        self.piece
+            .mesh
+            .triangles
+            .extend(halves.into_iter().filter(is_whole));
     }
 }
 
@@ -71,6 +84,9 @@ pub(super) fn weave(mouth: &Mouth<'_>, sides: &[Woven; 2], own: &[bool]) -> (Vec
                 let (beside, across) = (at(c + 1, row), at(c + 1, row + 1));
                 if side == 0 {
                     into.quad(a, below, beside, across);
+                } else if row + 2 == POINTS[side] {
+                    // Both halves of the floor meet here: the cut starts at the place nearer to the midline.
+                    into.cut(a, beside, below, across, 2 * c + 1 < columns);
                 } else {
                     into.quad(a, beside, below, across);
                 }
@@ -83,7 +99,10 @@ pub(super) fn weave(mouth: &Mouth<'_>, sides: &[Woven; 2], own: &[bool]) -> (Vec
             let gaps = &sides[0].strip.gaps;
             (gaps[*k]..gaps[*k + 1]).contains(&c)
         });
-        let [low, high] = match (across(mouth, sides, c, true), across(mouth, sides, c + 1, false)) {
+        let [low, high] = match (
+            across(mouth, sides, c, true),
+            across(mouth, sides, c + 1, false),
+        ) {
             (Some(low), Some(high)) => [low, high],
             // Both columns stand at the margin of one tooth.
             _ => continue,
@@ -96,7 +115,10 @@ pub(super) fn weave(mouth: &Mouth<'_>, sides: &[Woven; 2], own: &[bool]) -> (Vec
             into.quad(&low[j], &high[j], &low[j + 1], &high[j + 1]);
         }
     }
-    (cells.into_iter().map(|making| making.piece).collect(), rest.piece)
+    (
+        cells.into_iter().map(|making| making.piece).collect(),
+        rest.piece,
+    )
 }
 
 /// Points from the facial to the lingual column `c`: a saddle, the cap of a ridge, or the margin under a contact.
@@ -121,7 +143,11 @@ fn across(
             if !strip.gaps.contains(&beside) {
                 return None;
             }
-            let end = if is_low { 1 - tooth.low_end() } else { tooth.low_end() };
+            let end = if is_low {
+                1 - tooth.low_end()
+            } else {
+                tooth.low_end()
+            };
             let point = |j: usize| {
                 let around = arc_angle(tooth, end, share(j));
                 margin_point(mouth, cell, around, tooth.margin(around))
@@ -129,13 +155,12 @@ fn across(
             Some((0..ACROSS).map(|j| (point(j), mark)).collect())
         }
         Start::Papilla(_) | Start::Crest(_) => {
-            let cap = |j: usize| mouth.ridge.cap(&mouth.line, &mouth.faces, column.low, share(j));
+            let cap = |j: usize| {
+                mouth
+                    .ridge
+                    .cap(&mouth.line, &mouth.faces, column.low, share(j))
+            };
             Some((0..ACROSS).map(|j| (cap(j), mark)).collect())
         }
     }
-}
-
-/// Whether a mark is that of the first row at a margin.
-pub(super) fn is_margin(mark: &Mark) -> bool {
-    mark.part == Part::Gingiva && !mark.is_ridge && mark.below < 0.5 * sizes::SUNK
 }
