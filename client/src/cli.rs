@@ -31,6 +31,7 @@ Examples:
   sulcus-client run --server 192.0.2.7:4433 --ticket TOKEN.FINGERPRINT --exercise bimanual
   sulcus-client run --server 192.0.2.7:4433 --ticket TOKEN.FINGERPRINT --exercise probing --readings
   sulcus-client swarm --stations 8 --duration 60 --replay
+  sulcus-client picture --exercise bimanual --at 20 --view buccal --out picture.png
 
 Ctrl-C ends the session with a stop; a second Ctrl-C ends the program at once.
 Logs go to standard error. SULCUS_LOG=debug prints more; the default is SULCUS_LOG=warn.
@@ -43,13 +44,131 @@ recording is not complete), 2 wrong usage or bad input.";
 pub enum Command {
     /// Run one whole session against an embedded server: recorded, replayed, graded
     #[command(after_long_help = EXAMPLES)]
-    Demo(DemoArgs),
+    Demo(WithView<DemoArgs>),
     /// Join a running server
     #[command(after_long_help = EXAMPLES)]
-    Run(RunArgs),
+    Run(WithView<RunArgs>),
     /// Run simulated hands on many stations at once, and measure the load of the machine
     #[command(after_long_help = EXAMPLES)]
     Swarm(SwarmArgs),
+    /// Draw an instant of an exercise or a scene at rest into a PNG file, without a display. Needs a build with
+    /// `--features view`
+    #[command(after_long_help = EXAMPLES)]
+    Picture(PictureArgs),
+}
+
+/// Arguments of `picture`.
+#[derive(Clone, Debug, Args)]
+pub struct PictureArgs {
+    /// Exercise, performed by the simulated operator in virtual time. Default: `bimanual`, or none with --scene
+    #[arg(long, value_name = "NAME")]
+    pub exercise: Option<String>,
+    /// Scene file (TOML). Without --exercise, the scene is drawn at rest
+    #[arg(long, value_name = "FILE")]
+    pub scene: Option<PathBuf>,
+    /// Seed of the generated patient. Default: the scene's patient
+    #[arg(long, value_name = "N")]
+    pub patient_seed: Option<u64>,
+    /// Time in the session, seconds, 0 to 3600
+    #[arg(long, value_name = "S", default_value_t = 0.0, value_parser = instant)]
+    pub at: f64,
+    /// View: overview, front, buccal, lingual, mirror, close-up
+    #[arg(long, value_name = "NAME", default_value = "overview")]
+    pub view: String,
+    /// FDI number of the tooth in the middle of the views buccal and lingual
+    #[arg(long, value_name = "FDI")]
+    pub tooth: Option<u8>,
+    /// Turn of the camera to the right, degrees
+    #[arg(
+        long,
+        value_name = "DEG",
+        default_value_t = 0.0,
+        allow_negative_numbers = true
+    )]
+    pub turn: f64,
+    /// Tilt of the camera upwards, degrees
+    #[arg(
+        long,
+        value_name = "DEG",
+        default_value_t = 0.0,
+        allow_negative_numbers = true
+    )]
+    pub tilt: f64,
+    /// Magnification
+    #[arg(long, value_name = "FACTOR", default_value_t = 1.0)]
+    pub zoom: f64,
+    /// Size of the picture, pixels
+    #[arg(long, value_name = "WxH", default_value = "1280x720", value_parser = size)]
+    pub size: [u32; 2],
+    /// Quality: full, plain, low, lowest
+    #[arg(long, value_name = "NAME", default_value = "full")]
+    pub quality: String,
+    /// Leave out the instruments
+    #[arg(long)]
+    pub no_tools: bool,
+    /// File of the picture
+    #[arg(long, value_name = "FILE.png")]
+    pub out: PathBuf,
+}
+
+/// Time in a session on the command line, seconds.
+fn instant(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(s) if (0.0..=3600.0).contains(&s) => Ok(s),
+        _ => Err(format!(
+            "`{text}` is not a number of seconds from 0 to 3600"
+        )),
+    }
+}
+
+/// Size of a picture on the command line.
+fn size(text: &str) -> Result<[u32; 2], String> {
+    let parsed = text
+        .split_once('x')
+        .and_then(|(w, h)| Some([w.parse().ok()?, h.parse().ok()?]));
+    let is_right = |size: &[u32; 2]| size.iter().all(|n| (16..=8192).contains(n));
+    parsed.filter(is_right).ok_or_else(|| {
+        format!("`{text}` is not a size of 16 to 8192 pixels for each edge, as in 1280x720")
+    })
+}
+
+/// Arguments of a session that may have a window.
+#[derive(Clone, Debug, Args)]
+pub struct WithView<A: Args> {
+    /// Arguments of the session.
+    #[command(flatten)]
+    pub session: A,
+    /// Arguments of the window.
+    #[command(flatten)]
+    pub view: ViewArgs,
+}
+
+/// Arguments of a window.
+#[derive(Clone, Debug, Args)]
+pub struct ViewArgs {
+    /// Show the session in a window. Needs a build with `--features view`. Keys: F1 to F6 choose the view, a drag turns,
+    /// the wheel magnifies, Home resets, Tab hides the panel, Escape pauses, w wipes blood away, F11 is full screen.
+    /// Findings: digits, b, s, r, f, u, Return
+    #[arg(long)]
+    pub view: bool,
+    /// First view of the window: overview, front, buccal, lingual, mirror, close-up
+    #[arg(
+        long,
+        value_name = "NAME",
+        default_value = "overview",
+        requires = "view"
+    )]
+    pub camera: String,
+    /// Quality of the window: full, plain, low, lowest. Default: by the graphics adapter, and lowered when pictures
+    /// take too long
+    #[arg(long, value_name = "NAME", requires = "view")]
+    pub quality: Option<String>,
+    /// Flip the window left to right, for a screen that is seen in a half mirror
+    #[arg(long, requires = "view")]
+    pub half_mirror: bool,
+    /// Print frame age and frame time of the window at the end
+    #[arg(long, requires = "view")]
+    pub stats: bool,
 }
 
 /// Arguments of `run`.
@@ -123,6 +242,9 @@ mod tests {
         let Some(Command::Demo(parsed)) = Cli::parse_from(["sulcus-client", "demo"]).command else {
             panic!("demo")
         };
-        assert_eq!(format!("{parsed:?}"), format!("{:?}", DemoArgs::default()));
+        assert_eq!(
+            format!("{:?}", parsed.session),
+            format!("{:?}", DemoArgs::default())
+        );
     }
 }

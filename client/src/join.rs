@@ -10,6 +10,7 @@ use sulcus_connection::link::{Link, LinkConfig, Pin};
 use sulcus_connection::perform::perform;
 use sulcus_connection::progress::Steps;
 use sulcus_demo::exercise;
+use sulcus_demo::seat::{self, Seat, taken};
 use sulcus_demo::simulated::Simulated;
 use sulcus_program::{PathText, say, tell};
 use sulcus_proto::control::EndReason;
@@ -23,6 +24,14 @@ use crate::typed::{WithReadings, listen};
 /// # Errors
 /// Bad input, a server that does not answer or refuses, another scene at the server, or a session that cannot begin.
 pub fn run(args: &RunArgs) -> anyhow::Result<u8> {
+    run_at(args, &seat::bare)
+}
+
+/// The same with the device in a seat.
+///
+/// # Errors
+/// As for [`run`].
+pub fn run_at(args: &RunArgs, seat: Seat<'_>) -> anyhow::Result<u8> {
     if args.device != "simulated" {
         bail!(
             "--device is `{}`, expected `simulated`; real devices are not supported yet",
@@ -45,7 +54,8 @@ pub fn run(args: &RunArgs) -> anyhow::Result<u8> {
         tell!("warning: {warning}");
     }
     config.exercise.clone_from(&prepared.exercise.name);
-    let link = Link::connect(config).with_context(|| format!("server `{}`", args.server))?;
+    let link =
+        Link::connect(config.clone()).with_context(|| format!("server `{}`", args.server))?;
     let hello = link.hello();
     if hello.scene_hash != prepared.scene_hash() {
         bail!(
@@ -58,13 +68,14 @@ pub fn run(args: &RunArgs) -> anyhow::Result<u8> {
         operator: prepared.operator,
         until_done: prepared.until_done,
     };
-    let ran = if args.readings {
+    let device = if args.readings {
         let lines = BufReader::new(std::io::stdin());
         let device = WithReadings::new(device, listen(lines, prepared.scene.clone())?);
-        perform(link, device, prepared.ticks, None, &steps)?
+        taken(seat, &config, &link, &prepared.exercise, device)
     } else {
-        perform(link, device, prepared.ticks, None, &steps)?
+        taken(seat, &config, &link, &prepared.exercise, device)
     };
+    let ran = perform(link, device, prepared.ticks, None, &steps)?;
     let summary = ran.goodbye.as_ref().ok().map(|goodbye| &goodbye.summary);
     if args.json {
         let text = ran

@@ -7,12 +7,18 @@
 
 pub mod cli;
 pub mod join;
+#[cfg(feature = "view")]
+pub mod picture;
 pub mod typed;
+#[cfg(feature = "view")]
+pub mod view;
 
 use std::io::IsTerminal;
 use std::process::ExitCode;
 
 use clap::Parser;
+use sulcus_demo::args::DemoArgs;
+use sulcus_demo::seat::{self, Seat};
 use sulcus_program::{output, say, tell};
 
 /// Runs the program with the arguments of the process and returns its exit code.
@@ -37,9 +43,13 @@ pub fn run() -> ExitCode {
             sulcus_demo::run(&sulcus_demo::args::DemoArgs::default()),
             false,
         ),
-        Some(cli::Command::Demo(args)) => (sulcus_demo::run(&args), args.json),
-        Some(cli::Command::Run(args)) => (join::run(&args), args.json),
+        Some(cli::Command::Demo(args)) => (demo(&args), args.session.json),
+        Some(cli::Command::Run(args)) => {
+            let session = |seat: Seat<'_>| join::run_at(&args.session, seat);
+            (with_view(&args.view, session), args.session.json)
+        }
         Some(cli::Command::Swarm(args)) => (sulcus_demo::swarm::run(&args), args.json),
+        Some(cli::Command::Picture(args)) => (picture(&args), false),
     };
     let code = done.unwrap_or_else(|error| {
         let text = sulcus_sessions::sentence(&error);
@@ -50,4 +60,41 @@ pub fn run() -> ExitCode {
         2
     });
     output::settle(code.into())
+}
+
+/// A session in virtual time is over before a window could show it.
+fn demo(args: &cli::WithView<DemoArgs>) -> anyhow::Result<u8> {
+    if args.view.view && args.session.virtual_time {
+        anyhow::bail!(
+            "--view shows a session in real time: omit --virtual, or draw one instant with `picture`"
+        );
+    }
+    with_view(&args.view, |seat| sulcus_demo::run_at(&args.session, seat))
+}
+
+/// Text about a build without pictures.
+#[cfg(not(feature = "view"))]
+const NO_VIEW: &str = "this build draws no pictures; build with `cargo build --release -p sulcus-client --features view`";
+
+fn with_view(
+    args: &cli::ViewArgs,
+    session: impl FnOnce(Seat<'_>) -> anyhow::Result<u8> + Send,
+) -> anyhow::Result<u8> {
+    if !args.view {
+        return session(&seat::bare);
+    }
+    #[cfg(feature = "view")]
+    return view::beside(args, session);
+    #[cfg(not(feature = "view"))]
+    anyhow::bail!(NO_VIEW)
+}
+
+#[cfg(feature = "view")]
+fn picture(args: &cli::PictureArgs) -> anyhow::Result<u8> {
+    picture::run(args)
+}
+
+#[cfg(not(feature = "view"))]
+fn picture(_: &cli::PictureArgs) -> anyhow::Result<u8> {
+    anyhow::bail!(NO_VIEW)
 }

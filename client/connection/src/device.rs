@@ -1,6 +1,32 @@
 //! Device whose user makes events for the recording.
 
-use sulcus_haptics::Device;
+use sulcus_core::{MAX_TOOLS, Pose, ToolInput, Wrench};
+use sulcus_haptics::{Device, Shown};
+use sulcus_proto::control::Command;
+use sulcus_proto::datagram::WireLevels;
+
+/// State of the link and of the hands in one pass of the device's loop.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Glance {
+    /// Time of the pass, nanoseconds of [`crate::link::now_ns`].
+    pub now_ns: u64,
+    /// Tick of the newest wrench.
+    pub tick: u64,
+    /// Pause and force limit of the newest wrench.
+    pub levels: WireLevels,
+    /// Share of the force that the watchdog lets pass, 0 to 1.
+    pub gate: f64,
+    /// Whether the link is being restored.
+    pub is_returning: bool,
+    /// Time from the measurement of the answered pose to the arrival of the wrench, milliseconds.
+    pub age_ms: Option<f64>,
+    /// Displayed wrenches, world axes.
+    pub displayed: [Wrench; MAX_TOOLS],
+    /// Poses of the graphic tools; `None` before the first wrench.
+    pub graphics: [Option<Pose>; MAX_TOOLS],
+    /// Whether a hand holds the tool.
+    pub held: [bool; MAX_TOOLS],
+}
 
 /// Event of a device's user, for the recording.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -16,5 +42,37 @@ pub trait EventDevice: Device {
     /// Returns the events since the previous call of this function. The default returns none.
     fn events(&mut self) -> Vec<DeviceEvent> {
         Vec::new()
+    }
+
+    /// Returns the commands of the user since the previous call of this function. The default returns none.
+    fn commands(&mut self) -> Vec<Command> {
+        Vec::new()
+    }
+
+    /// Takes the state of each pass of the loop, for a screen. The default ignores the state.
+    fn glance(&mut self, _: &Glance) {}
+}
+
+impl Device for Box<dyn EventDevice> {
+    fn name(&self) -> &str {
+        (**self).name()
+    }
+    fn exchange(&mut self, shown: &Shown) -> [ToolInput; MAX_TOOLS] {
+        (**self).exchange(shown)
+    }
+    fn is_done(&self) -> bool {
+        (**self).is_done()
+    }
+}
+
+impl EventDevice for Box<dyn EventDevice> {
+    fn events(&mut self) -> Vec<DeviceEvent> {
+        (**self).events()
+    }
+    fn commands(&mut self) -> Vec<Command> {
+        (**self).commands()
+    }
+    fn glance(&mut self, glance: &Glance) {
+        (**self).glance(glance);
     }
 }

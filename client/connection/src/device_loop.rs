@@ -11,7 +11,7 @@ use sulcus_link::schedule::{exact_timers, fifo};
 use sulcus_proto::control::Event;
 use sulcus_proto::datagram::{ToolPose, WirePose, WireWrench};
 
-use crate::device::{DeviceEvent, EventDevice};
+use crate::device::{DeviceEvent, EventDevice, Glance};
 use crate::interrupt;
 use crate::link::{Link, PosePacket, now_ns};
 
@@ -231,6 +231,23 @@ impl DeviceLoop {
             // Refused if the link has ended, which the loop detects, or if its message queue is full.
             let _ = link.event(Event { tick, kind, json });
         }
+        for command in device.commands() {
+            // Refused for the same reasons as an event.
+            let _ = link.command(command);
+        }
+        device.glance(&Glance {
+            now_ns: now,
+            tick: report.last_tick,
+            levels: newest
+                .map(|packet| packet.datagram.levels)
+                .unwrap_or_default(),
+            gate,
+            is_returning: link.is_returning(),
+            age_ms: newest.and_then(|packet| packet.age_ms()),
+            displayed: felt,
+            graphics: shown.graphics,
+            held: input.tools.map(|tool| tool.present),
+        });
         report.overslept += late;
         link.send_pose(&packet(
             (report.periods, now, period_ns),

@@ -14,6 +14,7 @@ pub mod exercise;
 pub mod live;
 pub mod lockstep;
 pub mod page;
+pub mod seat;
 pub mod simulated;
 pub mod summary;
 pub mod swarm;
@@ -38,6 +39,14 @@ use summary::DemoSummary;
 /// An unknown exercise, an invalid scene file, a folder or a recording that cannot be written, or a session that ends
 /// early.
 pub fn run(args: &DemoArgs) -> anyhow::Result<u8> {
+    run_at(args, &seat::bare)
+}
+
+/// The same with the simulated operator in a seat. A session in virtual time has no seat.
+///
+/// # Errors
+/// As for [`run`].
+pub fn run_at(args: &DemoArgs, seat: seat::Seat<'_>) -> anyhow::Result<u8> {
     if args.list_exercises {
         for (name, about) in exercise::list() {
             say!("{name:22} {about}");
@@ -76,7 +85,7 @@ pub fn run(args: &DemoArgs) -> anyhow::Result<u8> {
     let mut summary = if args.virtual_time {
         run_virtual(args, &mut prepared, &steps)?
     } else {
-        run_live(args, prepared, &steps)?
+        run_live(args, prepared, seat, &steps)?
     };
     if args.mode != Mode::Practice {
         summary.withhold();
@@ -108,7 +117,12 @@ fn either(page: Option<Result<PathBuf, String>>) -> (Option<PathBuf>, Option<Str
 use live::run as run_live;
 
 #[cfg(not(feature = "embedded"))]
-fn run_live(_: &DemoArgs, _: exercise::Prepared, _: &Steps) -> anyhow::Result<DemoSummary> {
+fn run_live(
+    _: &DemoArgs,
+    _: exercise::Prepared,
+    _: seat::Seat<'_>,
+    _: &Steps,
+) -> anyhow::Result<DemoSummary> {
     anyhow::bail!(
         "this client has no embedded server, which a demo in real time needs: give --virtual, or join a server with `run`"
     )

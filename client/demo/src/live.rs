@@ -11,17 +11,23 @@ use sulcus_server::{Exercise, Server, ServerConfig, SessionPlan, StationConfig};
 use crate::args::DemoArgs;
 use crate::check;
 use crate::exercise::Prepared;
+use crate::seat::{Seat, taken};
 use crate::simulated::Simulated;
 use crate::summary::{DemoSummary, PassivitySummary};
 use sulcus_connection::link::{Link, LinkConfig};
 use sulcus_connection::perform::perform;
 use sulcus_connection::progress::Steps;
 
-/// Performs `prepared` in real time and checks the recording. Returns the summary.
+/// Performs `prepared` in real time, with the simulated operator in a seat, and checks the recording. Returns the summary.
 ///
 /// # Errors
 /// The server does not start or is lost, the server ends the session, or the recording cannot be read.
-pub fn run(args: &DemoArgs, prepared: Prepared, steps: &Steps) -> anyhow::Result<DemoSummary> {
+pub fn run(
+    args: &DemoArgs,
+    prepared: Prepared,
+    seat: Seat<'_>,
+    steps: &Steps,
+) -> anyhow::Result<DemoSummary> {
     let (name, scene) = (prepared.exercise.name.clone(), prepared.scene.clone());
     let mut plan = SessionPlan::new(prepared.scene.clone(), prepared.scene_bytes.clone());
     plan.exercise = Exercise {
@@ -38,23 +44,16 @@ pub fn run(args: &DemoArgs, prepared: Prepared, steps: &Steps) -> anyhow::Result
     station.name = "demo".into();
     let config = ServerConfig::new(station, args.recordings.clone())?;
     let server = Server::start(config)?;
-    let link = Link::connect(LinkConfig::new(
-        server.local_addr(),
-        server.ticket(),
-        "simulated",
-    ))?;
+    let link_config = LinkConfig::new(server.local_addr(), server.ticket(), "simulated");
+    let link = Link::connect(link_config.clone())?;
     let begin = Instant::now();
     let disturb = prepared.case.map(|case| case.disturb);
-    let ran = perform(
-        link,
-        Simulated {
-            operator: prepared.operator,
-            until_done: prepared.until_done,
-        },
-        prepared.ticks,
-        disturb,
-        steps,
-    )?;
+    let device = Simulated {
+        operator: prepared.operator,
+        until_done: prepared.until_done,
+    };
+    let device = taken(seat, &link_config, &link, &prepared.exercise, device);
+    let ran = perform(link, device, prepared.ticks, disturb, steps)?;
     let wall_s = begin.elapsed().as_secs_f64();
     server.shutdown();
     server.join()?;

@@ -1,1 +1,35 @@
-//! The student's screen.
+//! The student's screen: pictures of a session, in a window or in memory.
+//!
+//! - [`stage::Stage`] holds the meshes of a display scene, [`moment::Moment`] everything that moves at an instant,
+//!   [`camera::Camera`] the view. The module `gpu` draws them by a graphics adapter, hardware or software.
+//! - [`panel`] lays out gauges and texts, [`readings`] takes findings by keys and pedals, [`trainer`] is a lesson in
+//!   reading the bands of a probe. These modules draw nothing and know no window.
+//!
+//! Lengths are millimetres, world axes: x anterior, y to the patient's left, z up.
+
+mod blood;
+pub mod camera;
+mod coarse;
+pub mod error;
+pub mod eye;
+#[cfg(feature = "gpu")]
+pub mod gpu;
+pub mod lamp;
+pub mod material;
+pub mod mirror;
+pub mod moment;
+mod motion;
+mod normals;
+mod occlusion;
+pub mod panel;
+pub mod quality;
+pub mod readings;
+pub mod show;
+pub mod stage;
+pub mod strings;
+pub mod text;
+pub mod times;
+pub mod trainer;
+pub mod views;
+#[cfg(feature = "window")]
+pub mod window;

@@ -28,3 +28,10 @@ pub fn fifo(priority: i32) -> std::io::Result<()> {
         Err(std::io::Error::last_os_error())
     }
 }
+
+/// Whether threads of this process may have real-time priority. The question is put on a thread that ends at once.
+pub fn may_fifo() -> bool {
+    std::thread::spawn(|| fifo(1).is_ok())
+        .join()
+        .unwrap_or(false)
+}

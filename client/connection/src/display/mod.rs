@@ -5,9 +5,11 @@
 //! server's answer on the control stream. The client's hello lists [`Cache::known`]; the server sends no scene that the
 //! cache has.
 //!
-//! The window's thread takes [`Feed::newest`], which never waits.
+//! [`DisplayLink`] does all of this on a thread of its own, and connects again after a loss. The window's thread takes
+//! [`DisplayLink::newest`], which never waits.
 
 mod cache;
+mod connect;
 mod receive;
 mod stats;
 #[cfg(test)]
@@ -21,6 +23,7 @@ use sulcus_proto::limits;
 use triple_buffer::Output;
 
 pub use cache::{Cache, SCENES};
+pub use connect::DisplayLink;
 pub use receive::{FeedEnd, receive};
 pub use stats::FeedStats;
 

@@ -13,6 +13,7 @@ use quinn::{Connection, ConnectionError, Endpoint, TransportErrorCode};
 use tokio::task::JoinSet;
 
 use super::{LinkConfig, LinkError, transport};
+use sulcus_proto::Role;
 
 /// Time from the start of one attempt to the start of the next (RFC 8305, section 5).
 const HEAD_START: Duration = Duration::from_millis(250);
@@ -67,7 +68,10 @@ async fn connect(
         SocketAddr::V6(_) => (Ipv6Addr::UNSPECIFIED, 0).into(),
     };
     let endpoint = Endpoint::client(from)?;
-    let client = transport::client_config(config.pin.clone(), mismatch.clone())?;
+    let mut client = transport::client_config(config.pin.clone(), mismatch.clone())?;
+    if config.role == Role::Display {
+        client.transport_config(Arc::new(crate::display::transport()?));
+    }
     let connecting = endpoint
         .connect_with(client, server, &config.server_name)
         .map_err(|error| LinkError::System(error.to_string()))?;

@@ -1,0 +1,16 @@
+//! Drawing by a graphics adapter, hardware or software. Only this folder names `wgpu`.
+
+mod adapter;
+mod buffers;
+mod draw;
+mod panel;
+mod pipelines;
+mod read_back;
+mod surface;
+mod targets;
+mod uniforms;
+
+pub use adapter::{Backend, Graphics};
+pub use draw::{Drawing, Mode, Renderer};
+pub use read_back::Image;
+pub use surface::{Screen, Target};

@@ -1,0 +1,72 @@
+//! Content of a window: what a session shows on it, and what the person at the window does.
+
+use std::sync::Arc;
+
+use sulcus_proto::display::{DisplayScene, SceneHash};
+
+use crate::moment::Moment;
+use crate::panel::{Detail, PanelState};
+use crate::readings::Key;
+use crate::views::View;
+
+/// Session behind a window. The window's thread calls all functions; none may wait for the haptic thread.
+pub trait Show {
+    /// Scene with its hash; `None` before the first one.
+    fn scene(&mut self) -> Option<(SceneHash, Arc<DisplayScene>)>;
+
+    /// Instant to draw now, and the time since its content was made, seconds. `None` before the first one.
+    fn moment(&mut self) -> Option<(Moment, f64)>;
+
+    /// Contents of the panel. `detail` is the present level of the picture.
+    fn panel(&mut self, detail: Detail) -> PanelState;
+
+    /// Takes an act of the person at the window.
+    fn act(&mut self, act: Act);
+
+    /// Whether the session has ended and the window is to close.
+    fn is_over(&self) -> bool;
+}
+
+/// Act of the person at the window.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Act {
+    /// Key of a finding.
+    Reading(Key),
+    /// Pause of the student, or its end.
+    Pause,
+    /// Another view.
+    View(View),
+    /// The camera has come to rest: turn to the right and tilt upwards, radians, and magnification.
+    Camera {
+        /// Turn to the right, radians.
+        turn: f64,
+        /// Tilt upwards, radians.
+        tilt: f64,
+        /// Magnification.
+        zoom: f64,
+    },
+    /// Panel shown or hidden.
+    Panel(bool),
+    /// Blood wiped away.
+    Wipe,
+}
+
+impl Act {
+    /// Kind and JSON of the act as an event of a recording; `None` for an act that has an event of its own or none.
+    pub fn event(&self) -> Option<(&'static str, String)> {
+        let rounded = |x: f64| (x * 1e4).round() / 1e4;
+        let data = match self {
+            Self::Reading(_) | Self::Pause => return None,
+            Self::View(view) => serde_json::json!({ "view": view.name() }),
+            Self::Camera { turn, tilt, zoom } => serde_json::json!({
+                "turn_rad": rounded(*turn), "tilt_rad": rounded(*tilt), "zoom": rounded(*zoom)
+            }),
+            Self::Panel(shown) => serde_json::json!({ "panel": shown }),
+            Self::Wipe => serde_json::json!({ "wiped": true }),
+        };
+        Some((SCREEN, data.to_string()))
+    }
+}
+
+/// Kind of the events of a screen.
+pub const SCREEN: &str = "screen";

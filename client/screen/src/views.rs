@@ -1,0 +1,229 @@
+//! Views: eyes as a seated operator has them, by region of the mouth.
+//!
+//! The eye is 420 mm from the tooth (careoptical; range 340 to 500), the picture 15 to 18 degrees high. Directions follow
+//! the clock positions of a right-handed operator; the exact angles are chosen.
+
+use sulcus_proto::display::{DisplayObject, DisplayScene, Kind};
+
+use crate::camera::{Camera, Vector};
+use crate::moment::Moment;
+
+/// Distance of the eye, mm.
+const EYE_MM: f64 = 420.0;
+/// Tooth of a view without one.
+const USUAL: u8 = 36;
+
+/// View of a picture.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum View {
+    /// The whole lower arch from the front and above.
+    Overview,
+    /// The front teeth.
+    Front,
+    /// Buccal side of a tooth.
+    Buccal,
+    /// Lingual side of a tooth, over the opposite side of the arch.
+    Lingual,
+    /// The glass of the mirror, as the operator sees it.
+    Mirror,
+    /// The tip of the probe.
+    CloseUp,
+}
+
+impl View {
+    /// All views.
+    pub const ALL: [Self; 6] = [
+        Self::Overview,
+        Self::Front,
+        Self::Buccal,
+        Self::Lingual,
+        Self::Mirror,
+        Self::CloseUp,
+    ];
+
+    /// Name on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Overview => "overview",
+            Self::Front => "front",
+            Self::Buccal => "buccal",
+            Self::Lingual => "lingual",
+            Self::Mirror => "mirror",
+            Self::CloseUp => "close-up",
+        }
+    }
+
+    /// Camera of the view. `tooth` is the FDI number of the tooth in the middle; `aspect` is width over height.
+    pub fn camera(
+        self,
+        scene: &DisplayScene,
+        moment: &Moment,
+        tooth: Option<u8>,
+        aspect: f64,
+    ) -> Camera {
+        let mouth = Mouth::new(scene);
+        let middle = mouth.middle;
+        let at = |target: Vector, towards: Vector, away: f64, height_mm: f64| {
+            let height = 2.0 * (0.5 * height_mm / away).atan().to_degrees();
+            let eye = target + towards.normalize() * away;
+            Camera::looking(eye, target, Vector::z(), height, aspect)
+        };
+        let size = mouth.size.max(20.0);
+        match self {
+            Self::Overview => at(middle, Vector::new(0.62, 0.0, 0.78), EYE_MM, 1.15 * size),
+            Self::Front => {
+                let target = mouth.front.unwrap_or(middle) + Vector::new(0.0, 0.0, -2.0);
+                at(target, Vector::new(0.93, 0.0, 0.36), EYE_MM, 36.0)
+            }
+            Self::Buccal | Self::Lingual => {
+                let (place, buccal) = mouth.tooth(scene, tooth.unwrap_or(USUAL));
+                let (towards, height) = match self {
+                    Self::Buccal => (buccal * 0.85 + Vector::new(0.35, 0.0, 0.40), 30.0),
+                    _ => (buccal * -0.62 + Vector::new(0.30, 0.0, 0.75), 30.0),
+                };
+                at(place, towards, EYE_MM, height)
+            }
+            Self::Mirror => {
+                let glass = scene.tools.iter().position(|tool| tool.glass.is_some());
+                let held = glass.filter(|k| moment.tools[*k].held);
+                let centre = held.and_then(|k| {
+                    let glass = scene.tools[k].glass?;
+                    let tool = moment.tools[k];
+                    let mm = nalgebra::Vector3::from(glass.centre) * crate::stage::MM;
+                    Some((tool.orientation * mm + tool.position).cast::<f64>())
+                });
+                let target = centre.unwrap_or(middle);
+                at(target, Vector::new(0.62, -0.12, 0.78), EYE_MM, 42.0)
+            }
+            Self::CloseUp => {
+                let (tip, along) = tip(scene, moment).unwrap_or((middle, -Vector::z()));
+                let (_, buccal) = mouth.nearest(scene, &tip);
+                // Across the working end, from the side of the cheek.
+                let aside = buccal - along * buccal.dot(&along);
+                let towards = aside * 0.9 + Vector::new(0.15, 0.0, 0.35);
+                at(tip - along * 3.0, towards, 300.0, 17.0)
+            }
+        }
+    }
+}
+
+impl std::str::FromStr for View {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        let found = Self::ALL.into_iter().find(|view| view.name() == text);
+        found.ok_or_else(|| {
+            let names = Self::ALL.map(Self::name).join(", ");
+            format!("`{text}` is no view, expected one of: {names}")
+        })
+    }
+}
+
+/// Tip of the first held probe and the direction out of it, world axes, mm.
+pub fn tip(scene: &DisplayScene, moment: &Moment) -> Option<(Vector, Vector)> {
+    let probe = |(k, _): &(usize, _)| moment.tools[*k].held;
+    let is_probe =
+        |(_, tool): &(usize, &sulcus_proto::display::DisplayTool)| !tool.bands.is_empty();
+    let (k, tool) = scene
+        .tools
+        .iter()
+        .enumerate()
+        .filter(is_probe)
+        .find(probe)?;
+    let at = moment.tools[k];
+    let mm = |v: [f32; 3]| at.orientation * nalgebra::Vector3::from(v);
+    let tip = mm(tool.tip) * crate::stage::MM + at.position;
+    Some((tip.cast::<f64>(), mm(tool.tip_axis).cast::<f64>()))
+}
+
+/// Places in a mouth.
+struct Mouth {
+    middle: Vector,
+    /// Longest horizontal extent of the teeth, or of everything in a scene without teeth, mm.
+    size: f64,
+    front: Option<Vector>,
+}
+
+impl Mouth {
+    fn new(scene: &DisplayScene) -> Self {
+        let teeth: Vec<&DisplayObject> = scene
+            .objects
+            .iter()
+            .filter(|one| one.kind == Kind::Tooth)
+            .collect();
+        let all: Vec<&DisplayObject> = scene.objects.iter().collect();
+        let seen = if teeth.is_empty() { &all } else { &teeth };
+        let mut places = seen.iter().flat_map(|one| one.mesh.vertices().map(mm));
+        let first = places.next().unwrap_or_default();
+        let (low, high) = places.fold((first, first), |(low, high), at| {
+            (low.inf(&at), high.sup(&at))
+        });
+        let mut middle = (low + high) * 0.5;
+        // Roots hang below; the eye looks at the crowns.
+        middle.z = high.z - 5.0;
+        let incisors: Vec<Vector> = scene
+            .objects
+            .iter()
+            .filter(|one| one.kind == Kind::Tooth && one.fdi % 10 == 1)
+            .map(crown)
+            .collect();
+        Self {
+            middle,
+            size: (high.x - low.x).max(high.y - low.y),
+            front: (!incisors.is_empty())
+                .then(|| incisors.iter().sum::<Vector>() / incisors.len() as f64),
+        }
+    }
+
+    /// Crown of a tooth and the horizontal unit vector buccally; without this tooth those of the first one.
+    fn tooth(&self, scene: &DisplayScene, fdi: u8) -> (Vector, Vector) {
+        let teeth = || scene.objects.iter().filter(|one| one.kind == Kind::Tooth);
+        let tooth = teeth()
+            .find(|one| one.fdi == fdi)
+            .or_else(|| teeth().next());
+        let Some(tooth) = tooth else {
+            return (self.middle, Vector::x());
+        };
+        let place = crown(tooth);
+        let gingiva = scene
+            .objects
+            .iter()
+            .find(|one| one.kind == Kind::Gingiva && one.fdi == tooth.fdi);
+        let sites = gingiva
+            .map(|one| &one.sites)
+            .filter(|sites| sites.len() == 6);
+        let buccal = sites.map(|sites| mm(sites[1]) - mm(sites[4]));
+        let outwards = buccal.unwrap_or_else(|| place - self.middle);
+        let level = Vector::new(outwards.x, outwards.y, 0.0);
+        (place, level.try_normalize(1e-9).unwrap_or_else(Vector::x))
+    }
+
+    /// The same for the tooth nearest to a place.
+    fn nearest(&self, scene: &DisplayScene, place: &Vector) -> (Vector, Vector) {
+        let teeth = scene.objects.iter().filter(|one| one.kind == Kind::Tooth);
+        let away = |tooth: &&DisplayObject| (crown(tooth) - place).norm();
+        let nearest = teeth.min_by(|a, b| away(a).total_cmp(&away(b)));
+        self.tooth(scene, nearest.map_or(USUAL, |tooth| tooth.fdi))
+    }
+}
+
+/// Middle of a tooth's crown, 4 mm below its highest point.
+fn crown(tooth: &DisplayObject) -> Vector {
+    let top = tooth
+        .mesh
+        .vertices()
+        .map(mm)
+        .fold(f64::NEG_INFINITY, |top, at| top.max(at.z));
+    let above: Vec<Vector> = tooth
+        .mesh
+        .vertices()
+        .map(mm)
+        .filter(|at| at.z > top - 8.0)
+        .collect();
+    let middle = above.iter().sum::<Vector>() / above.len().max(1) as f64;
+    Vector::new(middle.x, middle.y, top - 4.0)
+}
+
+fn mm(at: [f32; 3]) -> Vector {
+    Vector::from(at.map(|x| f64::from(x) * 1e3))
+}

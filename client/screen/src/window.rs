@@ -1,0 +1,354 @@
+//! Window of the student. Only this file names `winit`.
+//!
+//! The window runs on the main thread of the program, as macOS demands. It takes the newest state and never waits for
+//! another thread. The end of the window is not the end of the session.
+
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use sulcus_proto::display::SceneHash;
+use winit::application::ApplicationHandler;
+use winit::event::{ElementState, MouseButton, MouseScrollDelta, WindowEvent};
+use winit::event_loop::{ActiveEventLoop, ControlFlow, EventLoop};
+use winit::keyboard::{Key as WindowKey, NamedKey};
+use winit::window::{Fullscreen, Window, WindowId};
+
+use crate::error::ScreenError;
+use crate::eye::Eye;
+use crate::gpu::{Drawing, Screen};
+use crate::panel::{Detail, layout};
+use crate::quality::{Governor, Quality};
+use crate::readings::Key;
+use crate::show::{Act, Show};
+use crate::stage::Stage;
+use crate::strings::ENGLISH;
+use crate::times::FrameTimes;
+use crate::views::View;
+
+/// Settings of a window.
+#[derive(Clone, Debug)]
+pub struct Settings {
+    /// Title.
+    pub title: String,
+    /// First view.
+    pub view: View,
+    /// Quality; `None` for the governor's choice.
+    pub quality: Option<Quality>,
+    /// Whether the haptic thread has real-time priority. Without it a software adapter draws 30 frames a second.
+    pub has_real_time: bool,
+    /// Whether the output is flipped left to right, for a screen that is seen in a half mirror.
+    pub mirrored: bool,
+}
+
+/// Report of a window.
+#[derive(Clone, Debug)]
+pub struct Report {
+    /// Name of the graphics adapter; empty if none was opened.
+    pub adapter: String,
+    /// Quality at the end.
+    pub quality: Quality,
+    /// Times of the frames.
+    pub times: FrameTimes,
+    /// Reason of an early end; `None` when the session ended or the person closed the window.
+    pub failed: Option<String>,
+}
+
+/// Frames of a second without a known refresh rate, and the most of a software adapter without real-time priority.
+const USUAL_HZ: f64 = 60.0;
+const CAPPED_HZ: f64 = 30.0;
+/// Keys of the views, in the order of [`View::ALL`].
+const VIEW_KEYS: [NamedKey; 6] = [
+    NamedKey::F1,
+    NamedKey::F2,
+    NamedKey::F3,
+    NamedKey::F4,
+    NamedKey::F5,
+    NamedKey::F6,
+];
+
+/// Runs a window until the session ends or the person closes it. Must be called on the main thread, once in a process.
+///
+/// # Errors
+/// No display, or no window on it.
+pub fn run(show: Box<dyn Show>, settings: Settings) -> Result<Report, ScreenError> {
+    let no_display = |error: &dyn std::fmt::Display| ScreenError::NoDisplay(error.to_string());
+    let event_loop = EventLoop::new().map_err(|error| no_display(&error))?;
+    // Software adapters draw on threads that inherit this. The haptic threads have their own priority.
+    #[cfg(target_os = "linux")]
+    let _ = rustix::process::nice(5);
+    let mut eye = Eye::new(settings.view);
+    eye.mirrored = settings.mirrored;
+    let mut application = Application {
+        report: Report {
+            adapter: String::new(),
+            quality: Quality::Full,
+            times: FrameTimes::default(),
+            failed: None,
+        },
+        show,
+        settings,
+        eye,
+        opened: None,
+        drawn: None,
+        has_panel: true,
+        drag: None,
+        cursor: [0.0; 2],
+        next: Instant::now(),
+        last: Instant::now(),
+    };
+    let ran = event_loop.run_app(&mut application);
+    ran.map_err(|error| no_display(&error))?;
+    Ok(application.report)
+}
+
+/// Window with its drawer.
+struct Opened {
+    window: Arc<Window>,
+    screen: Screen,
+    governor: Governor,
+    period: Duration,
+}
+
+struct Application {
+    show: Box<dyn Show>,
+    settings: Settings,
+    report: Report,
+    eye: Eye,
+    opened: Option<Opened>,
+    /// Scene that is drawn.
+    drawn: Option<SceneHash>,
+    has_panel: bool,
+    /// Place of the cursor at the begin of a drag, pixels.
+    drag: Option<[f64; 2]>,
+    cursor: [f64; 2],
+    next: Instant,
+    last: Instant,
+}
+
+impl ApplicationHandler for Application {
+    fn resumed(&mut self, event_loop: &ActiveEventLoop) {
+        if self.opened.is_none() {
+            match self.open(event_loop) {
+                Ok(opened) => self.opened = Some(opened),
+                Err(error) => self.fail(event_loop, error.to_string()),
+            }
+        }
+    }
+
+    fn window_event(&mut self, event_loop: &ActiveEventLoop, _: WindowId, event: WindowEvent) {
+        match event {
+            WindowEvent::CloseRequested => event_loop.exit(),
+            WindowEvent::Resized(size) => {
+                if let Some(opened) = &mut self.opened {
+                    opened.screen.resize([size.width, size.height]);
+                }
+            }
+            WindowEvent::RedrawRequested => self.redraw(event_loop),
+            WindowEvent::KeyboardInput { event, .. } if event.state == ElementState::Pressed => {
+                self.key(&event.logical_key, event.repeat);
+            }
+            WindowEvent::MouseInput {
+                state,
+                button: MouseButton::Left,
+                ..
+            } => {
+                let ended = self.drag.take().is_some();
+                if state == ElementState::Pressed {
+                    self.drag = Some(self.cursor);
+                } else if ended {
+                    self.came_to_rest();
+                }
+            }
+            WindowEvent::CursorMoved { position, .. } => {
+                let [x, y] = self.cursor;
+                self.cursor = [position.x, position.y];
+                if self.drag.is_some() {
+                    self.eye.drag(position.x - x, position.y - y);
+                }
+            }
+            WindowEvent::MouseWheel { delta, .. } => {
+                self.eye.magnify(match delta {
+                    MouseScrollDelta::LineDelta(_, lines) => f64::from(lines),
+                    MouseScrollDelta::PixelDelta(pixels) => pixels.y / 40.0,
+                });
+                self.came_to_rest();
+            }
+            _ => {}
+        }
+    }
+
+    fn about_to_wait(&mut self, event_loop: &ActiveEventLoop) {
+        if self.show.is_over() {
+            return event_loop.exit();
+        }
+        if Instant::now() >= self.next {
+            if let Some(opened) = &self.opened {
+                self.next = Instant::now() + opened.period;
+                opened.window.request_redraw();
+            }
+        }
+        event_loop.set_control_flow(ControlFlow::WaitUntil(self.next));
+    }
+}
+
+impl Application {
+    fn open(&self, event_loop: &ActiveEventLoop) -> Result<Opened, ScreenError> {
+        let attributes = Window::default_attributes()
+            .with_title(self.settings.title.clone())
+            .with_inner_size(winit::dpi::PhysicalSize::new(1280, 720));
+        let window = event_loop
+            .create_window(attributes)
+            .map_err(|error| ScreenError::NoDisplay(error.to_string()))?;
+        let window = Arc::new(window);
+        let size = window.inner_size();
+        let display = Box::new(event_loop.owned_display_handle());
+        let screen = Screen::open(display, window.clone(), [size.width, size.height])?;
+        let is_software = screen.graphics().is_software();
+        let monitor = window.current_monitor();
+        let refresh = monitor.and_then(|monitor| monitor.refresh_rate_millihertz());
+        let mut hz = refresh
+            .map_or(USUAL_HZ, |rate| f64::from(rate) / 1e3)
+            .clamp(10.0, 240.0);
+        if is_software && !self.settings.has_real_time {
+            hz = hz.min(CAPPED_HZ);
+            tracing::warn!(
+                "no real-time priority and no graphics processor: {CAPPED_HZ} frames a second"
+            );
+        }
+        tracing::info!("graphics adapter: {}", screen.graphics().name());
+        Ok(Opened {
+            window,
+            screen,
+            governor: Governor::new(is_software, self.settings.quality),
+            period: Duration::from_secs_f64(1.0 / hz),
+        })
+    }
+
+    fn fail(&mut self, event_loop: &ActiveEventLoop, why: String) {
+        self.report.failed = Some(why);
+        event_loop.exit();
+    }
+
+    fn redraw(&mut self, event_loop: &ActiveEventLoop) {
+        let Some(opened) = &mut self.opened else {
+            return;
+        };
+        let Some((hash, scene)) = self.show.scene() else {
+            return;
+        };
+        let level = opened.governor.level();
+        if self.drawn != Some(hash) || !opened.screen.is_ready(level) {
+            let stage = Stage::new(&scene, level.looks().merged_um);
+            opened.screen.prepare(stage, level);
+            self.drawn = Some(hash);
+        }
+        let begin = Instant::now();
+        let target = match opened.screen.acquire() {
+            Ok(Some(target)) => target,
+            Ok(None) => return,
+            Err(error) => return self.fail(event_loop, error.to_string()),
+        };
+        // As late as possible: after the wait for the surface.
+        let Some((moment, age_s)) = self.show.moment() else {
+            return;
+        };
+        let [width, height] = opened.screen.size();
+        let aspect = f64::from(width) / f64::from(height);
+        let elapsed_s = self.last.elapsed().as_secs_f64();
+        self.last = Instant::now();
+        let camera = self.eye.camera(&scene, &moment, aspect, elapsed_s);
+        let state = self.show.panel(detail(level));
+        let scale = opened.window.scale_factor() as f32;
+        let panel = self
+            .has_panel
+            .then(|| layout(&state, [width, height], scale, &ENGLISH).list);
+        let drawing = Drawing::through(camera);
+        opened
+            .screen
+            .draw(&drawing, &moment, &panel.unwrap_or_default(), &target);
+        opened.window.pre_present_notify();
+        opened.screen.present(target);
+        let took = begin.elapsed();
+        self.report
+            .times
+            .frame(age_s + took.as_secs_f64(), took.as_secs_f64());
+        self.report.adapter = opened.screen.graphics().name();
+        let budget = opened.period.as_secs_f64();
+        if let Some(level) = opened.governor.frame(took.as_secs_f64(), budget) {
+            tracing::info!("pictures take too long: quality {}", level.name());
+        }
+        self.report.quality = opened.governor.level();
+        if let Err(error) = opened.screen.graphics().check() {
+            self.fail(event_loop, error.to_string());
+        }
+    }
+
+    fn key(&mut self, key: &WindowKey, is_repeat: bool) {
+        if is_repeat {
+            return;
+        }
+        match key {
+            WindowKey::Named(NamedKey::F11) => {
+                if let Some(opened) = &self.opened {
+                    let full = opened.window.fullscreen().is_none();
+                    opened
+                        .window
+                        .set_fullscreen(full.then_some(Fullscreen::Borderless(None)));
+                }
+            }
+            WindowKey::Named(NamedKey::Tab) => {
+                self.has_panel = !self.has_panel;
+                self.show.act(Act::Panel(self.has_panel));
+            }
+            WindowKey::Named(NamedKey::Escape) => self.show.act(Act::Pause),
+            WindowKey::Named(NamedKey::Home) => {
+                self.eye.choose(self.eye.view);
+                self.came_to_rest();
+            }
+            WindowKey::Named(named) => {
+                if let Some(at) = VIEW_KEYS.iter().position(|one| one == named) {
+                    self.eye.choose(View::ALL[at]);
+                    self.show.act(Act::View(View::ALL[at]));
+                } else if let Some(key) = named_key(*named) {
+                    self.show.act(Act::Reading(key));
+                }
+            }
+            WindowKey::Character(text) => match text.as_str() {
+                "w" => self.show.act(Act::Wipe),
+                text => {
+                    let key = text.chars().next().and_then(Key::from_char);
+                    if let Some(key) = key {
+                        self.show.act(Act::Reading(key));
+                    }
+                }
+            },
+            _ => {}
+        }
+    }
+
+    fn came_to_rest(&mut self) {
+        let Eye {
+            turn, tilt, zoom, ..
+        } = self.eye;
+        self.show.act(Act::Camera { turn, tilt, zoom });
+    }
+}
+
+/// Key of a finding that has a name, not a letter.
+fn named_key(key: NamedKey) -> Option<Key> {
+    match key {
+        NamedKey::Enter => Key::from_char('\n'),
+        NamedKey::Space => Key::from_char(' '),
+        NamedKey::Backspace => Key::from_char('\u{8}'),
+        _ => None,
+    }
+}
+
+fn detail(level: Quality) -> Detail {
+    match level {
+        Quality::Full => Detail::Full,
+        Quality::Plain => Detail::Plain,
+        Quality::Low => Detail::Low,
+        Quality::Lowest => Detail::Lowest,
+    }
+}

@@ -1,0 +1,230 @@
+//! A running session, as its window shows it.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use sulcus_connection::device::{DeviceEvent, Glance};
+use sulcus_connection::display::{Cache, DisplayLink};
+use sulcus_connection::link::{LinkError, now_ns};
+use sulcus_core::math::norm;
+use sulcus_proto::control::Command;
+use sulcus_proto::datagram::WirePose;
+use sulcus_proto::display::{DisplayScene, SceneHash};
+use sulcus_screen::moment::{Moment, ToolAt};
+use sulcus_screen::panel::{
+    Clock, Detail, Help, Link, Mode, PanelState, Recording, Status, ToolForce, Tour, Trace, Warning,
+};
+use sulcus_screen::readings::{Heard, READING_CALLED, Readings, Site, Stop, Wrong};
+use sulcus_screen::show::{Act, Show};
+
+use super::Facts;
+use super::watched::Eyes;
+
+/// Time without a pass of the device's loop after which the link counts as lost, nanoseconds.
+const SILENT_NS: u64 = 1_000_000_000;
+
+/// Session behind a window.
+pub struct Live {
+    facts: Facts,
+    eyes: Eyes,
+    display: DisplayLink,
+    over: Arc<AtomicBool>,
+    readings: Option<Readings>,
+    wrong: Option<Wrong>,
+    traces: Vec<Trace>,
+    /// Tick at which the blood was wiped away the last time.
+    wiped: u64,
+    tick: u64,
+}
+
+impl Live {
+    /// Session with a display's connection of its own.
+    ///
+    /// # Errors
+    /// The system has no thread for the connection.
+    pub fn new(facts: Facts, eyes: Eyes, over: Arc<AtomicBool>) -> Result<Self, LinkError> {
+        let display = DisplayLink::begin(&facts.config, Cache::in_default_folder())?;
+        let stop = |(tooth, site): &(u8, &'static str)| {
+            let site = Site::from_name(site)?;
+            Some(Stop {
+                tooth: *tooth,
+                site,
+            })
+        };
+        let tour: Vec<Stop> = facts.tour.iter().filter_map(stop).collect();
+        Ok(Self {
+            display,
+            over,
+            readings: (!tour.is_empty()).then(|| Readings::new(tour)),
+            wrong: None,
+            traces: facts.tools.iter().map(|_| Trace::default()).collect(),
+            wiped: 0,
+            tick: 0,
+            facts,
+            eyes,
+        })
+    }
+
+    fn glance(&mut self) -> Option<Glance> {
+        self.eyes.glances.update();
+        *self.eyes.glances.output_buffer()
+    }
+
+    fn say(&mut self, kind: &'static str, json: String) {
+        // The ring is full only if the device's loop has ended.
+        let _ = self.eyes.events.push(DeviceEvent { kind, json });
+    }
+
+    fn status(&self, glance: Option<&Glance>) -> Status {
+        let is_live =
+            glance.is_some_and(|glance| now_ns().saturating_sub(glance.now_ns) < SILENT_NS);
+        let link = match glance {
+            Some(glance) if glance.is_returning => Link::Returning,
+            Some(glance) if is_live => Link::Up(
+                glance
+                    .age_ms
+                    .map(|ms| ms.clamp(0.0, 60_000.0).round() as u16),
+            ),
+            _ => Link::Lost,
+        };
+        let mut warnings = Vec::new();
+        if self.facts.device == "simulated" {
+            warnings.push(Warning::NoForce(self.facts.device.clone()));
+        }
+        if let Some(trouble) = self.display.trouble() {
+            warnings.push(Warning::Other(trouble));
+        }
+        let levels = glance.map(|glance| glance.levels).unwrap_or_default();
+        let limit = levels.force_limit_n;
+        Status {
+            link,
+            // The server records every session from its first tick on.
+            recording: if is_live {
+                Recording::On
+            } else {
+                Recording::Off
+            },
+            paused_by_student: levels.paused_by_student,
+            paused_by_station: levels.paused_by_station,
+            force_limit_n: (limit > 0.0).then_some(f64::from(limit)),
+            warnings,
+        }
+    }
+}
+
+impl Show for Live {
+    fn scene(&mut self) -> Option<(SceneHash, Arc<DisplayScene>)> {
+        let picture = self.display.newest()?;
+        Some((picture.hash, picture.scene.clone()))
+    }
+
+    fn moment(&mut self) -> Option<(Moment, f64)> {
+        let glance = self.glance();
+        let picture = self.display.newest()?;
+        let mut moment = match &picture.frame {
+            Some(frame) => Moment::of(&picture.scene, frame),
+            None => Moment::rest(&picture.scene),
+        };
+        let Some(glance) = glance else {
+            return Some((moment, 0.0));
+        };
+        self.tick = glance.tick;
+        // The link's own answers are newer than the feed.
+        for (k, tool) in moment.tools.iter_mut().enumerate() {
+            if let Some(pose) = glance.graphics[k].filter(|_| glance.held[k]) {
+                let q = pose.orientation;
+                let wire = WirePose {
+                    position: pose.position.map(|x| x as f32).into(),
+                    orientation: [q.w, q.i, q.j, q.k].map(|x| x as f32),
+                };
+                *tool = ToolAt::new(true, &wire);
+            }
+        }
+        let wiped = self.wiped;
+        moment.spots.retain(|(spot, _)| spot.since > wiped);
+        let age_s = now_ns().saturating_sub(glance.now_ns) as f64 / 1e9;
+        Some((moment, age_s))
+    }
+
+    fn panel(&mut self, detail: Detail) -> PanelState {
+        let glance = self.glance();
+        let mut tools = Vec::new();
+        let scene = self.display.newest().map(|picture| picture.scene.clone());
+        let has_bands = |k: usize| {
+            let tool = scene.as_ref().and_then(|scene| scene.tools.get(k));
+            tool.is_some_and(|tool| !tool.bands.is_empty())
+        };
+        for (k, name) in self.facts.tools.iter().enumerate() {
+            let Some(trace) = self.traces.get_mut(k) else {
+                continue;
+            };
+            let force_n = glance.map_or(0.0, |glance| norm(&glance.displayed[k].force));
+            trace.push(force_n as f32);
+            tools.push(ToolForce {
+                name: name.clone(),
+                force_n,
+                zone_n: self.facts.zone_n.filter(|_| has_bands(k)),
+                trace: trace.clone(),
+            });
+        }
+        let tick_s = self.facts.tick_ns as f64 / 1e9;
+        PanelState {
+            mode: Mode::of(&self.facts.mode),
+            clock: Clock {
+                elapsed_s: glance.map_or(0.0, |glance| glance.tick as f64 * tick_s),
+                length_s: self.facts.length_s,
+            },
+            tour: self
+                .readings
+                .as_ref()
+                .map(|readings| Tour::of(readings, self.wrong)),
+            status: self.status(glance.as_ref()),
+            help: Help {
+                title: self.facts.title.clone(),
+                task: self.facts.task.clone(),
+                tools,
+                depth_mm: None,
+                detail,
+            },
+        }
+    }
+
+    fn act(&mut self, act: Act) {
+        if let Some((kind, json)) = act.event() {
+            self.say(kind, json);
+        }
+        match act {
+            Act::Reading(key) => {
+                let Some(readings) = &mut self.readings else {
+                    return;
+                };
+                match readings.press(key) {
+                    Heard::Confirmed(entry) => {
+                        self.wrong = None;
+                        self.say(READING_CALLED, entry.json());
+                    }
+                    Heard::Taken => self.wrong = None,
+                    Heard::Wrong(wrong) => self.wrong = Some(wrong),
+                }
+            }
+            Act::Pause => {
+                let paused = self
+                    .glance()
+                    .is_some_and(|glance| glance.levels.paused_by_student);
+                let command = if paused {
+                    Command::Resume
+                } else {
+                    Command::Pause
+                };
+                // The ring is full only if the device's loop has ended.
+                let _ = self.eyes.commands.push(command);
+            }
+            Act::Wipe => self.wiped = self.tick,
+            Act::View(_) | Act::Camera { .. } | Act::Panel(_) => {}
+        }
+    }
+
+    fn is_over(&self) -> bool {
+        self.over.load(Ordering::Acquire)
+    }
+}

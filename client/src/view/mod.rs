@@ -1,0 +1,181 @@
+//! `--view`: a window beside a session.
+//!
+//! The window has the main thread, the session a thread of its own. They exchange the newest state and the acts of the
+//! person without waiting. A window that cannot open, or that is closed, ends nothing: the exercise and its force go on.
+
+mod live;
+mod watched;
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::{SyncSender, sync_channel};
+
+use anyhow::anyhow;
+use sulcus_connection::device::EventDevice;
+use sulcus_connection::link::LinkConfig;
+use sulcus_demo::seat::{Begun, Seat};
+use sulcus_program::tell;
+use sulcus_screen::quality::Quality;
+use sulcus_screen::views::View;
+use sulcus_screen::window::{self, Report, Settings};
+
+use crate::cli::ViewArgs;
+use live::Live;
+use watched::{Eyes, Watched};
+
+/// Facts of a session that its window needs.
+pub(crate) struct Facts {
+    config: LinkConfig,
+    mode: String,
+    device: String,
+    title: String,
+    task: String,
+    length_s: Option<f64>,
+    /// Least and largest force of a reading, newtons; `None` without probing.
+    zone_n: Option<[f64; 2]>,
+    /// Names of the tools.
+    tools: Vec<String>,
+    /// Sites to be read: FDI number and name of the site.
+    tour: Vec<(u8, &'static str)>,
+    tick_ns: u64,
+}
+
+impl Facts {
+    fn of(begun: &Begun<'_>, device: &dyn EventDevice) -> Self {
+        let exercise = begun.exercise;
+        let sites = |zones: &sulcus_sessions::exercise::Zones| {
+            let tooth = zones.tooth;
+            let named = zones.sites.iter().map(move |site| (tooth, site.name()));
+            named.collect::<Vec<_>>()
+        };
+        let limit = begun.hello.plan.time_limit_s;
+        Self {
+            config: begun.config.clone(),
+            mode: begun.hello.plan.mode.clone(),
+            device: device.name().to_owned(),
+            title: exercise.name.clone(),
+            task: exercise.task.clone(),
+            length_s: (limit > 0).then_some(f64::from(limit)),
+            zone_n: (!exercise.zones.is_empty()).then_some(exercise.probing.force_n),
+            tools: begun
+                .hello
+                .tools
+                .iter()
+                .map(|tool| tool.name.clone())
+                .collect(),
+            tour: exercise.zones.iter().flat_map(sites).collect(),
+            tick_ns: begun.hello.tick_ns,
+        }
+    }
+}
+
+/// Runs `session` on a thread of its own, with a window on this thread, which must be the main thread. The result is
+/// that of the session.
+///
+/// # Errors
+/// A name of `args` is unknown, the session cannot start, or its own error.
+pub fn beside(
+    args: &ViewArgs,
+    session: impl FnOnce(Seat<'_>) -> anyhow::Result<u8> + Send,
+) -> anyhow::Result<u8> {
+    let view: View = args
+        .camera
+        .parse()
+        .map_err(|error: String| anyhow!("--camera: {error}"))?;
+    let quality: Option<Quality> = match &args.quality {
+        None => None,
+        Some(name) => Some(
+            name.parse()
+                .map_err(|error: String| anyhow!("--quality: {error}"))?,
+        ),
+    };
+    let settings = Settings {
+        title: "Sulcus".into(),
+        view,
+        quality,
+        has_real_time: sulcus_link::schedule::may_fifo(),
+        mirrored: args.half_mirror,
+    };
+    let (seat_in, seated) = sync_channel::<(Facts, Eyes)>(1);
+    let over = Arc::new(AtomicBool::new(false));
+    std::thread::scope(|scope| {
+        let ended = over.clone();
+        let thread = std::thread::Builder::new()
+            .name("sulcus-session".into())
+            .spawn_scoped(scope, move || {
+                let seat =
+                    |begun: &Begun<'_>, device: Box<dyn EventDevice>| take(begun, device, &seat_in);
+                let result = session(&seat);
+                ended.store(true, Ordering::Release);
+                drop(seat_in);
+                result
+            })?;
+        // A session that never begins drops its end.
+        if let Ok((facts, eyes)) = seated.recv() {
+            match Live::new(facts, eyes, over.clone()) {
+                Ok(live) => report(args, window::run(Box::new(live), settings), &over),
+                Err(error) => {
+                    tell!("warning: no window: {error}; the exercise goes on without pictures")
+                }
+            }
+        }
+        thread
+            .join()
+            .map_err(|_| anyhow!("the thread of the session panicked"))?
+    })
+}
+
+/// Puts a device behind a window's eyes.
+fn take(
+    begun: &Begun<'_>,
+    device: Box<dyn EventDevice>,
+    to: &SyncSender<(Facts, Eyes)>,
+) -> Box<dyn EventDevice> {
+    let facts = Facts::of(begun, &*device);
+    let (watched, eyes) = Watched::new(device);
+    // Refused after the first session of a process: the window belongs to that one.
+    let _ = to.try_send((facts, eyes));
+    Box::new(watched)
+}
+
+/// Tells how the window ended.
+fn report(
+    args: &ViewArgs,
+    ended: Result<Report, sulcus_screen::error::ScreenError>,
+    over: &AtomicBool,
+) {
+    let goes_on = !over.load(Ordering::Acquire);
+    match ended {
+        Err(error) => tell!("warning: no window: {error}. The exercise goes on without pictures"),
+        Ok(report) => {
+            if let Some(why) = &report.failed {
+                tell!(
+                    "warning: the window has ended: {why}. The exercise goes on without pictures"
+                );
+            } else if goes_on {
+                tell!("the window was closed; the exercise goes on");
+            }
+            if args.stats {
+                let (age, cost) = (report.times.age(), report.times.cost());
+                tell!(
+                    "window        {} frames by {}, quality {} at the end",
+                    report.times.frames,
+                    report.adapter,
+                    report.quality.name()
+                );
+                tell!(
+                    "frame age     p50 {:.1}  p99 {:.1}  max {:.1} ms, from the state to its picture",
+                    age.p50,
+                    age.p99,
+                    age.max
+                );
+                tell!(
+                    "frame time    p50 {:.1}  p99 {:.1}  max {:.1} ms",
+                    cost.p50,
+                    cost.p99,
+                    cost.max
+                );
+            }
+        }
+    }
+}
