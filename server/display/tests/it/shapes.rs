@@ -120,7 +120,6 @@ fn the_drawn_margin_is_the_patients() {
                 assert!(nearest.fold(f64::INFINITY, f64::min) < 1e-3);
             }
         }
-        println!("{:.3} mm", worst * 1e3);
         // Pockets of up to 7 mm; shallow ones differ by less than 0.1 mm, as tests of the sheet show.
         assert!(worst < 0.3e-3, "{:.3} mm", worst * 1e3);
     }

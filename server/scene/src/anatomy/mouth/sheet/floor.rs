@@ -12,9 +12,9 @@ const LEVEL: f64 = -11.3;
 /// Line of a sublingual fold on the left, x and y, mm: from the caruncle beside the frenulum to the second premolar.
 const FOLD: [[f64; 2]; 3] = [[16.0, 2.4], [10.0, 7.5], [-3.0, 13.0]];
 /// Height and half width of a fold, mm. Chosen.
-const RAISED: [f64; 2] = [2.8, 2.4];
+const RAISED: [f64; 2] = [2.6, 3.0];
 /// Height and half width of a caruncle, mm. Chosen.
-const CARUNCLE: [f64; 2] = [1.2, 1.3];
+const CARUNCLE: [f64; 2] = [0.7, 1.9];
 /// Frenulum: half width, height, and places between which it rises backwards to the tongue, mm. Chosen.
 const FRENULUM: [f64; 4] = [0.9, 4.5, 19.0, 11.0];
 /// Front end of the middle line, and its length for each mm of the arch's depth.
@@ -39,7 +39,8 @@ pub(super) fn height(x: f64, y: f64) -> f64 {
         let (ex, ey) = (x - ax - t * dx, y - ay - t * dy);
         fmin(nearest, (ex * ex + ey * ey).sqrt())
     });
-    let fold = RAISED[0] * bell(off, RAISED[1]) * ramp(x, -12.0, 0.0);
+    let fold =
+        RAISED[0] * bell(off, RAISED[1]) * ramp(x, -12.0, 0.0) * (1.0 - 0.5 * ramp(x, 13.0, 19.0));
     let (ex, ey) = (x - FOLD[0][0], y - FOLD[0][1]);
     let caruncle = CARUNCLE[0] * bell((ex * ex + ey * ey).sqrt(), CARUNCLE[1]);
     let [half, most, from, to] = FRENULUM;

@@ -10,7 +10,7 @@ use super::ridge::Ridge;
 use super::sizes;
 
 /// Number of points from the facial to the lingual peak.
-pub(super) const ACROSS: usize = 7;
+pub(super) const ACROSS: usize = 5;
 
 /// Height of a papilla's tip over the margins beside the tip, for each mm between both. Chosen.
 const POINTED: f64 = 0.55;

@@ -16,7 +16,7 @@ pub(super) const GINGIVA: usize = 12;
 /// Rows from there down the wall, round the vestibule and along lip or cheek.
 pub(super) const WALL: usize = 3;
 const ROUND: usize = 6;
-const LIP: usize = 6;
+const LIP: usize = 5;
 /// Rows from the lingual wall to the middle of the floor.
 const FLOOR: usize = 7;
 /// Number of points of a column: facial and lingual.

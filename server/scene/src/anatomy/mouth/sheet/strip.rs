@@ -8,9 +8,11 @@ use super::gap::arc_angle;
 use crate::mesh::implicit::ramp;
 
 /// Columns of a side between two neighbours, by tooth from the midline backwards: about 0.35 mm apart at the margin.
-const COLUMNS: [usize; 7] = [15, 16, 18, 18, 18, 27, 25];
+const COLUMNS: [usize; 7] = [15, 16, 18, 18, 18, 25, 24];
 /// Columns of a retromolar pad.
-pub(super) const PAD: usize = 11;
+pub(super) const PAD: usize = 10;
+/// Length that a turn of a radian counts for, mm: columns are denser where a margin is bent.
+const DENSER: f64 = 0.9;
 /// Samples of a margin for columns at equal lengths.
 const FINE: usize = 160;
 
@@ -133,6 +135,11 @@ fn shared(mouth: &Mouth<'_>, k: usize, s: f64) -> f64 {
     own + (other - own) * share
 }
 
+/// Angle between two directions, radians; small angles only.
+fn angle(a: &Vec3, b: &Vec3) -> f64 {
+    a.cross(b).norm() / (a.norm() * b.norm()).max(1e-12)
+}
+
 /// Angles at equal lengths along a tooth's margin on a side, from smaller to larger `s`, both peaks included.
 fn angles(cell: &Cell<'_>, side: usize, count: usize) -> Vec<f64> {
     let way = [1.0, -1.0][side];
@@ -146,7 +153,13 @@ fn angles(cell: &Cell<'_>, side: usize, count: usize) -> Vec<f64> {
     };
     let mut length = vec![0.0];
     for k in 1..=FINE {
-        length.push(length[k - 1] + (point(k) - point(k - 1)).norm());
+        let step = point(k) - point(k - 1);
+        let turned = if k > 1 {
+            angle(&(point(k - 1) - point(k - 2)), &step)
+        } else {
+            0.0
+        };
+        length.push(length[k - 1] + step.norm() + DENSER * turned);
     }
     let mut at = 0;
     (0..count)
