@@ -93,6 +93,9 @@ fn the_drawn_margin_is_the_patients() {
             let mut high = [f64::NEG_INFINITY; 24];
             for v in shown.mesh.vertices() {
                 let (around, height) = model.tooth.cylindrical(&Vec3::from(v.map(f64::from)));
+                if around.sin().abs() < 0.75 {
+                    continue;
+                }
                 let off = height - model.margin_at(around);
                 let high = &mut high[((around + PI) / TAU * 24.0) as usize % 24];
                 *high = high.max(off);

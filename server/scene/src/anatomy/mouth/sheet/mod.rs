@@ -31,6 +31,7 @@ mod sizes;
 mod strip;
 #[cfg(test)]
 mod tests;
+mod vestibule;
 mod weave;
 
 use sulcus_core::tissue::TissueModel;
