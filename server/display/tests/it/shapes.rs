@@ -1,11 +1,11 @@
 //! Shapes of a display: as near to the simulated ones as an eye can tell.
 
-use std::f64::consts::{PI, TAU};
+use std::collections::BTreeSet;
 
 use sulcus_core::tissue::TissueModel;
 use sulcus_core::{NoProbe, Pose, Quat, Scene, State, TickInput, ToolInput, Vec3, Workspace, tick};
 use sulcus_display::{Display, Frames};
-use sulcus_proto::display::{DisplayFrame, DisplayObject, HANDLES, Kind};
+use sulcus_proto::display::{DisplayFrame, DisplayMesh, DisplayObject, HANDLES, Kind};
 use sulcus_scene::anatomy::patient::LOWER;
 use sulcus_scene::{BuildOptions, BuiltIn, compile_built_in};
 use sulcus_sessions::{Moved, Sampler, Shapes};
@@ -38,6 +38,13 @@ fn vertices(object: &DisplayObject, k: usize, frame: &DisplayFrame) -> Vec<Vec3>
         Vec3::from(v.map(f64::from)) + Vec3::from(by.map(f64::from))
     };
     object.mesh.vertices().zip(&by).map(place).collect()
+}
+
+/// Vertices of a mesh, metres.
+fn places(mesh: &DisplayMesh) -> Vec<Vec3> {
+    mesh.vertices()
+        .map(|v| Vec3::from(v.map(f64::from)))
+        .collect()
 }
 
 /// Moves tool 0 along `way` (a unit vector) from 8 mm before `tip` to `beyond` behind it. Returns the workspace and the
@@ -84,28 +91,35 @@ fn the_drawn_margin_is_the_patients() {
     for seed in [1, 2, 3, 4, 5, 7] {
         let scene = compiled(&any_patient(seed), &[31, 33, 34, 36, 37, 46]);
         let display = Display::new(&scene).expect("a display");
+        let all = &display.scene().objects;
+        let shared = |own: &DisplayObject, at: &Vec3| {
+            let others = all.iter().filter(|object| !std::ptr::eq(*object, own));
+            let mut vertices = others.flat_map(|object| object.mesh.vertices());
+            vertices.any(|v| (Vec3::from(v.map(f64::from)) - at).norm() < 5e-6)
+        };
         let mut worst: f64 = 0.0;
-        for (object, shown) in scene.objects.iter().zip(&display.scene().objects) {
+        for (object, shown) in scene.objects.iter().zip(all) {
             let TissueModel::Gingiva(model) = &object.tissue else {
                 continue;
             };
-            // Highest places by angle of the mesh as drawn, away from the papillae.
-            let mut high = [f64::NEG_INFINITY; 24];
-            for v in shown.mesh.vertices() {
-                let (around, height) = model.tooth.cylindrical(&Vec3::from(v.map(f64::from)));
-                if around.sin().abs() < 0.75 {
-                    continue;
-                }
-                let off = height - model.margin_at(around);
-                let high = &mut high[((around + PI) / TAU * 24.0) as usize % 24];
-                *high = high.max(off);
+            // The border of the mesh that no other mesh shares: the margin. Away from the papillae.
+            let vertices: Vec<Vec3> = places(&shown.mesh);
+            let mut edges = BTreeSet::new();
+            for [a, b, c] in shown.mesh.triangles() {
+                edges.extend([(a, b), (b, c), (c, a)]);
             }
-            for (sector, off) in high.iter().enumerate() {
-                let around = (sector as f64 + 0.5) / 24.0 * TAU - PI;
-                if around.sin().abs() > 0.75 {
-                    worst = worst.max(off.abs());
+            let border = edges.iter().filter(|(a, b)| !edges.contains(&(*b, *a)));
+            let mut count = 0;
+            for (a, _) in border {
+                let (around, height) = model.tooth.cylindrical(&vertices[*a as usize]);
+                let off = (height - model.margin_at(around)).abs();
+                if around.sin().abs() > 0.75 && off < 1e-3 && !shared(shown, &vertices[*a as usize])
+                {
+                    worst = worst.max(off);
+                    count += 1;
                 }
             }
+            assert!(count > 10, "{count} vertices of the margin");
             for (k, site) in shown.sites.iter().enumerate() {
                 let at = Vec3::from(site.map(f64::from));
                 let (around, height) = model.tooth.cylindrical(&at);
