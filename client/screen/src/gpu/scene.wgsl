@@ -185,10 +185,12 @@ fn shade(at: vec3f, smooth_normal: vec3f, bumped: vec3f, colour: vec3f, finish: 
         let sheen = (key + 0.25) * max(dot(smooth_normal, l), 0.0) * roughness;
         return steel * tint * (0.75 * room(at, along) + 2.2 * shine + 0.3 * sheen) + 0.25 * shine;
     }
+    // Surfaces that fade into the dark of the mouth have no film either.
+    let there = smoothstep(0.004, 0.05, max(albedo.r, max(albedo.g, albedo.b)));
     // Light through thin edges.
     let through = finish.z * 0.25 * pow(max(0.0, dot(v, -normalize(l + 0.2 * smooth_normal))), 6.0);
     let film = room(at, reflect(-v, bumped)) * (f0 + (1.0 - f0) * pow(1.0 - n_v, 5.0)) * open * (1.0 - roughness) * 0.6;
-    return albedo * (diffuse * key + fill + through * key) + vec3f(3.2 * shine) + film;
+    return albedo * (diffuse * key + fill + through * key) + (vec3f(3.2 * shine) + film) * there;
 }
 
 // Soft shoulder over 0.7.
