@@ -51,7 +51,7 @@ pub enum Command {
     /// Run simulated hands on many stations at once, and measure the load of the machine
     #[command(after_long_help = EXAMPLES)]
     Swarm(SwarmArgs),
-    /// Draw an instant of an exercise or a scene at rest into a PNG file, without a display. Needs a build with
+    /// Draw an instant of an exercise or of a recording, or a scene at rest, into a PNG file, without a display. Needs a build with
     /// `--features view`
     #[command(after_long_help = EXAMPLES)]
     Picture(PictureArgs),
@@ -66,6 +66,9 @@ pub struct PictureArgs {
     /// Scene file (TOML). Without --exercise, the scene is drawn at rest
     #[arg(long, value_name = "FILE")]
     pub scene: Option<PathBuf>,
+    /// Recording. The picture shows the replay
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["exercise", "scene", "patient_seed"])]
+    pub recording: Option<PathBuf>,
     /// Seed of the generated patient. Default: the scene's patient
     #[arg(long, value_name = "N")]
     pub patient_seed: Option<u64>,

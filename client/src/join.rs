@@ -10,7 +10,7 @@ use sulcus_connection::link::{Link, LinkConfig, Pin};
 use sulcus_connection::perform::perform;
 use sulcus_connection::progress::Steps;
 use sulcus_demo::exercise;
-use sulcus_demo::seat::{self, Seat, taken};
+use sulcus_demo::seat::{Seat, taken};
 use sulcus_demo::simulated::Simulated;
 use sulcus_program::{PathText, say, tell};
 use sulcus_proto::control::EndReason;
@@ -24,7 +24,7 @@ use crate::typed::{WithReadings, listen};
 /// # Errors
 /// Bad input, a server that does not answer or refuses, another scene at the server, or a session that cannot begin.
 pub fn run(args: &RunArgs) -> anyhow::Result<u8> {
-    run_at(args, &seat::bare)
+    run_at(args, None)
 }
 
 /// The same with the device in a seat.

@@ -40,6 +40,9 @@ pub fn run(
     plan.rubric = prepared.rubric()?;
     plan.learner.clone_from(&args.learner);
     plan.mode = args.mode;
+    if seat.is_some() {
+        plan.show()?;
+    }
     let mut station = StationConfig::new(plan);
     station.name = "demo".into();
     let config = ServerConfig::new(station, args.recordings.clone())?;

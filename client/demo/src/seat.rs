@@ -15,14 +15,12 @@ pub struct Begun<'a> {
     pub exercise: &'a Exercise,
 }
 
-/// Takes a device before its session, and returns the device that performs the session. A screen returns a device that
-/// shows what it exchanges.
-pub type Seat<'a> = &'a dyn Fn(&Begun<'_>, Box<dyn EventDevice>) -> Box<dyn EventDevice>;
+/// Takes a device before its session, and returns the device that performs the session.
+pub type Taker<'a> = dyn Fn(&Begun<'_>, Box<dyn EventDevice>) -> Box<dyn EventDevice> + 'a;
 
-/// Seat without a screen: the device itself.
-pub fn bare(_: &Begun<'_>, device: Box<dyn EventDevice>) -> Box<dyn EventDevice> {
-    device
-}
+/// Seat with a screen, which returns a device that shows what it exchanges. `None`: no screen, and the server makes no
+/// display of the scene.
+pub type Seat<'a> = Option<&'a Taker<'a>>;
 
 /// Device in a seat, for a connected link.
 pub fn taken(
@@ -37,5 +35,8 @@ pub fn taken(
         hello: link.hello(),
         exercise,
     };
-    seat(&begun, Box::new(device))
+    match seat {
+        Some(take) => take(&begun, Box::new(device)),
+        None => Box::new(device),
+    }
 }

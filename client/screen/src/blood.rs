@@ -18,19 +18,21 @@ const POINT: (f32, f32) = (0.45, 0.6);
 const LINE: (f32, [f32; 2]) = (1.9, [0.8, 5.0]);
 /// Half height of the line, mm.
 const HEIGHT: f32 = 0.42;
+/// Least cover of the vertex next to whole blood: the whole vertex is drawn as blood.
+const SEEN: f32 = 0.6;
 /// Largest distance of any blood from its site, mm.
 const FAR: f32 = 3.5;
 
 /// Writes the cover by blood of all vertices near the spots, each with the time since its begin in seconds. Returns the
 /// ranges of vertices of the parts that may have blood.
 pub(crate) fn spread(stage: &mut Stage, spots: &[(Spot, f32)]) -> Vec<Range<usize>> {
-    let places: Vec<(Vector3<f32>, Vector3<f32>, f32)> = spots
+    let places: Vec<(u16, Vector3<f32>, Vector3<f32>, f32)> = spots
         .iter()
         .filter_map(|(spot, age)| {
             let sites = stage.sites.get(usize::from(spot.object))?;
             let site = usize::from(spot.site);
             let at = Vector3::from(*sites.get(site)?);
-            Some((at, along(sites, site), *age))
+            Some((spot.object, at, along(sites, site), *age))
         })
         .collect();
     let bloody = |material| matches!(material, Material::Flesh | Material::Tooth);
@@ -42,11 +44,47 @@ pub(crate) fn spread(stage: &mut Stage, spots: &[(Spot, f32)]) -> Vec<Range<usiz
         .collect();
     for v in parts.iter().cloned().flatten() {
         let rest = Vector3::from(stage.still[v].rest);
-        let cover =
-            |(at, along, age): &(Vector3<f32>, Vector3<f32>, f32)| cover(&(rest - at), along, *age);
+        let cover = |(_, at, along, age): &(u16, Vector3<f32>, Vector3<f32>, f32)| {
+            cover(&(rest - at), along, *age)
+        };
         stage.moving[v].blood = places.iter().map(cover).fold(0.0, f32::max);
     }
+    for (object, at, along, age) in &places {
+        for share in [-1.0, -0.5, 0.0, 0.5, 1.0] {
+            let at = at + along * (share * reach(*age));
+            wet_nearest(stage, *object, &at, *age);
+        }
+    }
     parts
+}
+
+/// Gives blood to the vertex of an object next to a place. A coarse mesh may have no vertex within the line of blood.
+fn wet_nearest(stage: &mut Stage, object: u16, at: &Vector3<f32>, age: f32) {
+    let own = stage
+        .object(object)
+        .filter(|part| part.material == Material::Flesh)
+        .map(|part| part.vertices.clone());
+    let away = |v: usize| (Vector3::from(stage.still[v].rest) - at).norm_squared();
+    let nearest = own
+        .into_iter()
+        .flatten()
+        .map(|v| (v, away(v)))
+        .filter(|(_, away)| *away < FAR * FAR)
+        .min_by(|a, b| a.1.total_cmp(&b.1));
+    if let Some((v, _)) = nearest {
+        let blood = &mut stage.moving[v].blood;
+        *blood = blood.max(SEEN * ramp(age, [0.0, POINT.1]));
+    }
+}
+
+/// Share of a course from 0 at its begin to 1 at its end, s.
+fn ramp(age: f32, [from, to]: [f32; 2]) -> f32 {
+    ((age - from) / (to - from)).clamp(0.0, 1.0)
+}
+
+/// Half length of the line at an age, mm.
+fn reach(age: f32) -> f32 {
+    LINE.0 * ramp(age, LINE.1)
 }
 
 /// Unit vector along the margin at a site, from the sites on both sides.
@@ -65,9 +103,8 @@ fn cover(from: &Vector3<f32>, along: &Vector3<f32>, age: f32) -> f32 {
     if from.norm() > FAR {
         return 0.0;
     }
-    let ramp = |from: f32, to: f32| ((age - from) / (to - from)).clamp(0.0, 1.0);
-    let radius = POINT.0 * ramp(0.0, POINT.1).sqrt();
-    let reach = LINE.0 * ramp(LINE.1[0], LINE.1[1]);
+    let radius = POINT.0 * ramp(age, [0.0, POINT.1]).sqrt();
+    let reach = reach(age);
     let aside = from.dot(along);
     let off = (from - along * aside.clamp(-reach, reach)).norm();
     let thick = radius.max(if reach > 0.0 { HEIGHT } else { 0.0 });

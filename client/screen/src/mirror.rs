@@ -33,14 +33,29 @@ pub struct Window {
     pub half: [f64; 2],
 }
 
-/// Returns the pass of a reflection and its window in the main picture. `None`: the glass is seen from behind, edge on,
-/// or outside of the picture.
-pub fn reflected(main: &PassCamera, disc: &Disc) -> Option<(PassCamera, Window)> {
+impl Window {
+    /// Smallest window of whole pixels around this one. A texel of the reflection then is a pixel of the picture.
+    fn outwards(&self, size: [u32; 2]) -> Self {
+        let mut whole = *self;
+        for (k, pixels) in size.into_iter().enumerate() {
+            let pixels = 0.5 * f64::from(pixels);
+            let low = ((self.middle[k] - self.half[k]) * pixels + pixels).floor() / pixels;
+            let high = ((self.middle[k] + self.half[k]) * pixels + pixels).ceil() / pixels;
+            whole.middle[k] = 0.5 * (low + high) - 1.0;
+            whole.half[k] = 0.5 * (high - low);
+        }
+        whole
+    }
+}
+
+/// Returns the pass of a reflection and its window in the main picture of `size` pixels. The window ends at borders of
+/// pixels. `None`: the glass is seen from behind, edge on, or outside of the picture.
+pub fn reflected(main: &PassCamera, disc: &Disc, size: [u32; 2]) -> Option<(PassCamera, Window)> {
     let plane = Plane::through(&disc.centre, &disc.normal);
     if plane.distance(&main.eye) <= 1e-6 * disc.radius {
         return None;
     }
-    let window = window(main, disc)?;
+    let window = window(main, disc)?.outwards(size);
     let reflection = plane.reflection();
     let view = main.view * reflection;
     let crop = Matrix::new(
@@ -103,7 +118,9 @@ fn window(main: &PassCamera, disc: &Disc) -> Option<Window> {
 fn oblique(projection: &Matrix, view: &Matrix, plane: &Plane) -> Option<Matrix> {
     let world = Vector4::new(plane.normal.x, plane.normal.y, plane.normal.z, plane.offset);
     let plane = view.try_inverse()?.transpose() * world;
-    let corner = Vector4::new(sign(plane.x), sign(plane.y), 1.0, 1.0);
+    // A half mirror's projection turns the sides, so that the farthest corner lies at the other one.
+    let side = |k: usize| sign(plane[k] * projection[(k, k)]);
+    let corner = Vector4::new(side(0), side(1), 1.0, 1.0);
     let far = projection.try_inverse()? * corner;
     let last = projection.row(3).transpose();
     let scale = last.dot(&far) / plane.dot(&far);
@@ -124,9 +141,15 @@ mod tests {
     use super::*;
     use crate::camera::Camera;
 
-    fn main_pass() -> PassCamera {
+    const SIZE: [u32; 2] = [900, 600];
+
+    fn main_camera() -> Camera {
         let (eye, target) = (Vector::new(400.0, 30.0, 200.0), Vector::new(0.0, 0.0, 0.0));
-        Camera::looking(eye, target, Vector::z(), 16.0, 1.5).pass()
+        Camera::looking(eye, target, Vector::z(), 16.0, 1.5)
+    }
+
+    fn main_pass() -> PassCamera {
+        main_camera().pass()
     }
 
     fn disc() -> Disc {
@@ -145,7 +168,7 @@ mod tests {
     #[test]
     fn a_point_is_seen_where_its_mirror_image_is() {
         let (main, disc) = (main_pass(), disc());
-        let (pass, window) = reflected(&main, &disc).expect("a reflection");
+        let (pass, window) = reflected(&main, &disc, SIZE).expect("a reflection");
         let plane = Plane::through(&disc.centre, &disc.normal);
         for point in [[40.0, 3.0, 20.0], [25.0, 20.0, -12.0], [90.0, -30.0, 55.0]] {
             let point = Vector::from(point);
@@ -160,7 +183,7 @@ mod tests {
     #[test]
     fn points_of_the_glass_stay_and_have_depth_zero_and_points_behind_are_clipped() {
         let (main, disc) = (main_pass(), disc());
-        let (pass, window) = reflected(&main, &disc).expect("a reflection");
+        let (pass, window) = reflected(&main, &disc, SIZE).expect("a reflection");
         let across = disc.normal.cross(&Vector::z()).normalize();
         for off in [-9.0, 0.0, 4.0, 10.0] {
             let point = disc.centre + across * off;
@@ -183,9 +206,42 @@ mod tests {
         let main = main_pass();
         let mut turned = disc();
         turned.normal = -turned.normal;
-        assert_eq!(reflected(&main, &turned), None);
+        assert_eq!(reflected(&main, &turned, SIZE), None);
         let mut away = disc();
         away.centre.y += 400.0;
-        assert_eq!(reflected(&main, &away), None);
+        assert_eq!(reflected(&main, &away, SIZE), None);
+    }
+
+    #[test]
+    fn no_corner_of_the_far_plane_is_cut_when_a_half_mirror_flips_the_picture() {
+        for (mirrored, y) in [(false, 0.5), (true, 0.5), (false, -0.5), (true, -0.5)] {
+            let mut camera = main_camera();
+            camera.mirrored = mirrored;
+            let (main, mut disc) = (camera.pass(), disc());
+            disc.normal = Vector::new(0.8, y, 0.3).normalize();
+            let (pass, _) = reflected(&main, &disc, SIZE).expect("a reflection");
+            let last = pass.view.try_inverse().expect("a view");
+            let depths = [[-1.0, -1.0], [1.0, -1.0], [-1.0, 1.0], [1.0, 1.0]].map(|[x, y]| {
+                // The main pass ends 1500 mm before the eye.
+                let [a, b] = [0, 1].map(|k| [x, y][k] + pass.projection[(k, 2)]);
+                let at = [a / pass.projection[(0, 0)], b / pass.projection[(1, 1)]];
+                let far = Vector4::new(at[0] * 1500.0, at[1] * 1500.0, -1500.0, 1.0);
+                pass.seen(&(last * far).xyz()).expect("ahead").z
+            });
+            let deepest = depths.iter().fold(0.0f64, |most, depth| most.max(*depth));
+            assert!((deepest - 1.0).abs() < 1e-9, "{depths:?}");
+        }
+    }
+
+    #[test]
+    fn a_window_ends_at_borders_of_pixels() {
+        let (_, window) = reflected(&main_pass(), &disc(), SIZE).expect("a reflection");
+        for (k, size) in SIZE.into_iter().enumerate() {
+            let borders = [-1.0, 1.0].map(|side| window.middle[k] + side * window.half[k]);
+            for border in borders {
+                let pixels = 0.5 * (border + 1.0) * f64::from(size);
+                assert!((pixels - pixels.round()).abs() < 1e-9, "{pixels}");
+            }
+        }
     }
 }

@@ -18,7 +18,7 @@ impl Stage {
         for object in before {
             let still = moment.moved.iter().all(|moved| moved.object != object);
             if let Some(k) = self.number(object).filter(|_| still) {
-                self.to_rest(k);
+                self.settle(k);
                 changed.push(k);
             }
         }
@@ -29,9 +29,10 @@ impl Stage {
             }
         }
         changed.sort_unstable();
-        self.normals
+        let touched = self
+            .normals
             .update(&changed, &self.parts, &self.corners, &mut self.moving);
-        let mut ranges: Vec<Range<usize>> = changed
+        let mut ranges: Vec<Range<usize>> = touched
             .iter()
             .map(|k| self.parts[*k].vertices.clone())
             .collect();
@@ -47,7 +48,8 @@ impl Stage {
         self.parts.iter().position(|part| part.owner == owner)
     }
 
-    fn to_rest(&mut self, part: usize) {
+    /// Puts the vertices of a part to rest.
+    fn settle(&mut self, part: usize) {
         for v in self.parts[part].vertices.clone() {
             self.moving[v].at = self.still[v].rest;
         }

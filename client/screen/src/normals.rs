@@ -3,6 +3,8 @@
 //! Meshes of neighbouring objects meet in vertices at the same place. Such vertices share a normal, so that no seam
 //! shows.
 
+use std::collections::BTreeSet;
+
 use nalgebra::Vector3;
 
 use crate::material::Material;
@@ -16,6 +18,8 @@ const SAME_MM: f32 = 5e-3;
 pub(crate) struct Normals {
     sums: Vec<Vector3<f32>>,
     groups: Vec<Vec<u32>>,
+    /// For each part all parts that share a normal with it, itself first.
+    sharing: Vec<Vec<usize>>,
 }
 
 impl Normals {
@@ -30,21 +34,26 @@ impl Normals {
                 classes.push(own.collect());
             }
         }
-        let groups = classes.into_iter().flat_map(|class| groups(class, moving));
+        let groups: Vec<Vec<u32>> = classes
+            .into_iter()
+            .flat_map(|class| groups(class, moving))
+            .collect();
         Self {
             sums: vec![Vector3::zeros(); moving.len()],
-            groups: groups.collect(),
+            sharing: sharing(parts, &groups),
+            groups,
         }
     }
 
-    /// Writes the normals of changed parts, given by their numbers, and of vertices that share a normal with them.
+    /// Writes the normals of changed parts, given by their numbers, and of vertices that share a normal with them. Returns
+    /// the numbers of all parts with such vertices, in ascending order.
     pub fn update(
         &mut self,
         changed: &[usize],
         parts: &[Part],
         corners: &[u32],
         moving: &mut [Moving],
-    ) {
+    ) -> Vec<usize> {
         for part in changed.iter().map(|k| &parts[*k]) {
             self.sums[part.vertices.clone()].fill(Vector3::zeros());
             for triangle in corners[part.corners.clone()].chunks_exact(3) {
@@ -64,11 +73,37 @@ impl Normals {
                 moving[*v as usize].normal = unit(&sum);
             }
         }
+        let touched: BTreeSet<usize> = changed
+            .iter()
+            .flat_map(|k| self.sharing[*k].iter().copied())
+            .collect();
+        touched.into_iter().collect()
     }
 }
 
 fn unit(v: &Vector3<f32>) -> [f32; 3] {
     v.try_normalize(0.0).unwrap_or_else(Vector3::z).into()
+}
+
+/// For each part all parts that share a group with it, itself first.
+fn sharing(parts: &[Part], groups: &[Vec<u32>]) -> Vec<Vec<usize>> {
+    let mut found: Vec<Vec<usize>> = (0..parts.len()).map(|k| vec![k]).collect();
+    let owner = |v: &u32| {
+        let v = *v as usize;
+        parts.iter().position(|part| part.vertices.contains(&v))
+    };
+    for group in groups {
+        let owners: BTreeSet<usize> = group.iter().filter_map(owner).collect();
+        for (a, b) in owners
+            .iter()
+            .flat_map(|a| owners.iter().map(move |b| (*a, *b)))
+        {
+            if !found[a].contains(&b) {
+                found[a].push(b);
+            }
+        }
+    }
+    found
 }
 
 /// Groups of at least two vertices at one place. The search sorts along x.

@@ -133,6 +133,8 @@ impl Stage {
             &stage.moving,
             &mut stage.still,
         );
+        let end = stage.parts[..objects].last().map_or(0, |part| part.corners.end);
+        occlusion::smooth(&stage.corners[..end], &mut stage.still);
         stage
     }
 

@@ -137,7 +137,7 @@ impl ApplicationHandler for Application {
 
     fn window_event(&mut self, event_loop: &ActiveEventLoop, _: WindowId, event: WindowEvent) {
         match event {
-            WindowEvent::CloseRequested => event_loop.exit(),
+            WindowEvent::CloseRequested | WindowEvent::Destroyed => event_loop.exit(),
             WindowEvent::Resized(size) => {
                 if let Some(opened) = &mut self.opened {
                     opened.screen.resize([size.width, size.height]);

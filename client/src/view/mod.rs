@@ -105,7 +105,7 @@ pub fn beside(
             .spawn_scoped(scope, move || {
                 let seat =
                     |begun: &Begun<'_>, device: Box<dyn EventDevice>| take(begun, device, &seat_in);
-                let result = session(&seat);
+                let result = session(Some(&seat));
                 ended.store(true, Ordering::Release);
                 drop(seat_in);
                 result

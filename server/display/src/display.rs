@@ -10,12 +10,13 @@ use sulcus_core::{DisplaySkin, Object, Scene, Tool, Vec3};
 use sulcus_proto::CodecError;
 use sulcus_proto::datagram::WirePose;
 use sulcus_proto::display::{
-    DisplayBand, DisplayMesh, DisplayObject, DisplayScene, DisplayTool, HANDLES, Kind, SceneHash,
-    Skin,
+    DisplayBand, DisplayGlass, DisplayMesh, DisplayObject, DisplayScene, DisplayTool, HANDLES,
+    Kind, SceneHash, Skin,
 };
-use sulcus_scene::anatomy::mouth::{DrawnGingiva, Sheet, sheet};
+use sulcus_scene::anatomy::mouth::{DrawnGingiva, Sheet, drawn_teeth, sheet};
 
 use crate::clipped::Pocket;
+use crate::dress;
 use crate::glass::glass;
 use crate::handles::{self, Place};
 use crate::surface;
@@ -46,22 +47,28 @@ pub(crate) enum Follower {
 }
 
 impl Display {
-    /// Makes the display of a compiled scene. Takes about a second for a whole mouth, so never in a thread that ticks.
+    /// Makes the display of a compiled scene. The first whole mouth of a process takes some seconds, the next ones about
+    /// a second, so never in a thread that ticks.
     ///
     /// # Errors
     /// A mesh of the scene is beyond the limits of a display; the error names the rule.
     pub fn new(scene: &Scene) -> Result<Self, CodecError> {
         let sheet = sheet(scene);
         let (mut objects, mut followers) = (Vec::new(), Vec::new());
-        for (k, object) in scene.objects.iter().enumerate() {
+        let teeth = drawn_teeth(scene);
+        dress::prepare(&teeth);
+        for (k, (object, tooth)) in scene.objects.iter().zip(&teeth).enumerate() {
             let of_sheet = match &sheet {
                 Some(sheet) => of_sheet(sheet, object, k)?,
                 None => None,
             };
-            let (shown, follower) = match of_sheet {
+            let (mut shown, follower) = match of_sheet {
                 Some(shown) => shown,
                 None => shown(scene, object)?,
             };
+            if shown.kind == Kind::Tooth {
+                shown.mesh = dress::tooth(shown.mesh, tooth.as_ref())?;
+            }
             objects.push(shown);
             followers.push(follower);
         }
@@ -116,11 +123,16 @@ fn tool(tool: &Tool) -> Result<DisplayTool, CodecError> {
         to: band.to as f32,
         dark: band.dark,
     };
+    let (mesh, glass_radius) = dress::tool(tool)?;
+    let glass = glass(tool).map(|found| DisplayGlass {
+        radius: glass_radius.map_or(found.radius, |inside| inside as f32),
+        ..found
+    });
     Ok(DisplayTool {
         name: tool.name.clone(),
-        mesh: on_grid(&tool.mesh)?,
+        mesh,
         bands: tool.bands.iter().map(band).collect(),
-        glass: glass(tool),
+        glass,
         tip: f32s(&tool.tip),
         tip_axis: f32s(&tool.tip_axis),
         park: wire_pose(&tool.park),

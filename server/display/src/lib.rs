@@ -3,6 +3,8 @@
 //! - [`Display`] makes the `DisplayScene` of a compiled scene, once for each session's plan.
 //! - [`Frames`] makes a `DisplayFrame` 62.5 times a second from the outputs of ticks and the places of spheres.
 //!
+//! Teeth and built-in instruments have meshes, colours and finishes of their own (`dress`), made from their shapes.
+//!
 //! # Hidden truth
 //! A compiled scene holds prescribed depths, bleeding, furcations and the floors of pockets. Its spheres lie where the
 //! depths put them, and their number depends on the depths. Therefore nothing of a gingiva is sent as compiled:
@@ -30,6 +32,7 @@
 
 mod clipped;
 mod display;
+mod dress;
 mod frames;
 mod glass;
 mod handles;

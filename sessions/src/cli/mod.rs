@@ -6,6 +6,7 @@ mod grade;
 mod info;
 pub mod inputs;
 mod parallel;
+mod picture;
 pub mod print;
 mod replay;
 mod review;
@@ -48,6 +49,11 @@ enum Command {
     Replay(replay::ReplayArgs),
     /// Show a session in the Rerun viewer; starts the program `sulcus-review`
     Review(review::ReviewArgs),
+    /// Draw an instant as the student's screen shows it; starts the program `sulcus-client`
+    #[command(
+        after_long_help = "Example:\n  sulcus-sessions picture session.mcap --at 12.3 --view close-up --out picture.png"
+    )]
+    Picture(picture::PictureArgs),
     /// Export recordings as tables and meshes for other programs
     #[command(
         long_about = "Writes recorded sessions as tables and meshes for other programs.\n\nTicks and meshes come from a replay, so they are exact. events.csv has the recorded log. A recording with an invalid signature, or one that was cut off, causes a warning and exit code 1. ticks.csv has a line for each tick: poses, wrenches raw and sent, status, pocket depth and floor force, with units in the names of the columns. devices.csv has a line for each pose that a tick used: number, device time, age, and the wrench that the hand felt. Meshes are those of the display, deformed like the tissue; meshes/frames.csv lists file, part and time.",
@@ -74,13 +80,14 @@ where
         Command::Info(args) => args.json,
         Command::Replay(args) => args.json,
         // The child process prints its own objects and errors.
-        Command::Review(_) => false,
+        Command::Review(_) | Command::Picture(_) => false,
         Command::Export(args) => args.json,
         Command::Grade(args) => args.json,
     };
     let outcome = match cli.command {
         Command::Export(args) => Ok(export::run(&args)),
         Command::Review(args) => review::run(&args),
+        Command::Picture(args) => picture::run(&args),
         Command::Info(args) => info::run(&args),
         Command::Replay(args) => replay::run(&args),
         Command::Grade(args) => grade::run(&args),

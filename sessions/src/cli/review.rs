@@ -22,7 +22,7 @@ pub(super) struct ReviewArgs {
 }
 
 pub(super) fn run(args: &ReviewArgs) -> anyhow::Result<ExitCode> {
-    let program = find("sulcus-review")?;
+    let program = find("sulcus-review", "cargo build --release -p sulcus-view --features rerun")?;
     let ended = Command::new(&program)
         .args(&args.args)
         .status()

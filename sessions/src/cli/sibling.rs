@@ -3,11 +3,11 @@
 use std::env::consts::EXE_SUFFIX;
 use std::path::PathBuf;
 
-/// Path of the program `name`, beside the running program or on PATH.
+/// Path of the program `name`, beside the running program or on PATH. `build` is the command that builds the program.
 ///
 /// # Errors
-/// The program is in neither place: a text with the command that builds it.
-pub fn find(name: &str) -> anyhow::Result<PathBuf> {
+/// The program is in neither place: a text with the command.
+pub fn find(name: &str, build: &str) -> anyhow::Result<PathBuf> {
     let file = format!("{name}{EXE_SUFFIX}");
     let beside = std::env::current_exe()
         .ok()
@@ -17,7 +17,7 @@ pub fn find(name: &str) -> anyhow::Result<PathBuf> {
     let mut places = beside.into_iter().chain(on_path);
     places.find(|place| place.is_file()).ok_or_else(|| {
         anyhow::anyhow!(
-            "the program `{name}` is neither beside this program nor on PATH; to build the program: cargo build --release -p sulcus-view --features rerun"
+            "the program `{name}` is neither beside this program nor on PATH; to build the program: {build}"
         )
     })
 }
@@ -28,7 +28,7 @@ mod tests {
 
     #[test]
     fn a_missing_program_is_named_with_the_command_that_builds_it() {
-        let told = find("sulcus-none")
+        let told = find("sulcus-none", "cargo build --features rerun")
             .expect_err("no such program")
             .to_string();
         assert!(

@@ -107,9 +107,14 @@ impl Graphics {
         self.adapter.get_info().device_type == wgpu::DeviceType::Cpu
     }
 
-    /// Largest edge of a picture, pixels.
+    /// Largest edge of a picture, pixels: a square of this edge fits into a texture, and into the buffer that reads it.
     pub fn largest(&self) -> u32 {
-        self.device.limits().max_texture_dimension_2d
+        let limits = self.device.limits();
+        let in_buffer = (limits.max_buffer_size / 4).isqrt();
+        // Rows in a buffer are padded to whole blocks of pixels.
+        let block = u64::from(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT / 4);
+        let in_buffer = u32::try_from(in_buffer / block * block).unwrap_or(u32::MAX);
+        limits.max_texture_dimension_2d.min(in_buffer)
     }
 
     /// Returns the first error that the driver has reported so far.

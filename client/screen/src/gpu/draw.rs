@@ -341,8 +341,8 @@ impl Renderer {
                 normal: world(glass.normal).cast::<f64>(),
                 radius: f64::from(glass.radius * MM),
             };
-            let (pass, window) = reflected(main, &disc).filter(|_| tool.held)?;
-            let pixels = |half: f64, pixels: u32| (half * f64::from(pixels)).ceil() as u32;
+            let (pass, window) = reflected(main, &disc, size).filter(|_| tool.held)?;
+            let pixels = |half: f64, pixels: u32| (half * f64::from(pixels)).round() as u32;
             let used = [0, 1].map(|k| pixels(window.half[k], size[k]).clamp(1, REFLECTION));
             Some(Seen { pass, window, used })
         })
@@ -463,9 +463,9 @@ fn begin<'e>(
             },
         })
     });
-    let pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+    encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
         label: None,
-        color_attachments: colour.as_ref().map_or(&[], std::slice::from_ref),
+        color_attachments: colour.as_slice(),
         depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
             view: depth,
             depth_ops: Some(wgpu::Operations {
@@ -475,6 +475,5 @@ fn begin<'e>(
             stencil_ops: None,
         }),
         ..Default::default()
-    });
-    pass
+    })
 }

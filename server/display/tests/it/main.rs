@@ -4,4 +4,7 @@ mod common;
 mod frames;
 mod glass;
 mod hidden;
+mod seen;
 mod shapes;
+mod teeth;
+mod tools;

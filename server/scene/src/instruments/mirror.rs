@@ -65,11 +65,11 @@ impl Default for Mirror {
 }
 
 /// Radius of the bend between neck and handle, mm.
-const BEND_MM: f64 = 8.0;
+pub(super) const BEND_MM: f64 = 8.0;
 /// Length over which the neck's foot on the edge of the disc becomes round, mm.
-const FOOT_MM: f64 = 2.0;
+pub(super) const FOOT_MM: f64 = 2.0;
 /// Corners of the disc's circumference; the neck's foot is in the middle of a side.
-const AROUND: usize = 144;
+pub(super) const AROUND: usize = 144;
 /// Steps of a quarter circle.
 const QUARTER: usize = 6;
 
@@ -88,17 +88,17 @@ impl Mirror {
         }
     }
 
-    fn radius(&self) -> f64 {
+    pub(super) fn radius(&self) -> f64 {
         0.5 * self.diameter_mm()
     }
 
     /// End of the bend, mm along the centre line.
-    fn bent(&self) -> f64 {
+    pub(super) fn bent(&self) -> f64 {
         self.radius() + self.neck_mm + BEND_MM * self.disc_deg.to_radians()
     }
 
     /// Centre line at `s` mm from the disc's centre, in the tool's frame, mm.
-    fn line(&self) -> impl Fn(f64) -> Station {
+    pub(super) fn line(&self) -> impl Fn(f64) -> Station {
         let turn = self.disc_deg.to_radians();
         let piece = |length, turn| Piece { length, turn };
         let pieces = vec![
@@ -110,7 +110,7 @@ impl Mirror {
     }
 
     /// Radius of neck and handle at `s` mm from the disc's centre, mm.
-    fn thickness(&self, s: f64) -> f64 {
+    pub(super) fn thickness(&self, s: f64) -> f64 {
         let bent = self.bent();
         let mut knots = vec![(bent, 0.5 * self.neck_diameter_mm)];
         knots.extend(handle(bent + 12.0, self.length_mm - self.radius()));
@@ -150,7 +150,7 @@ impl Mirror {
 
     /// Returns the disc's outline from one face to the other: distance from the axis and height, mm. Also returns the
     /// part that is the round edge.
-    fn outline(&self) -> (Vec<[f64; 2]>, std::ops::RangeInclusive<usize>) {
+    pub(super) fn outline(&self) -> (Vec<[f64; 2]>, std::ops::RangeInclusive<usize>) {
         let (radius, half) = (self.radius(), 0.5 * self.disc_thickness_mm);
         let round = self.edge_radius_mm;
         let flat = radius - round;
@@ -186,10 +186,26 @@ impl Mirror {
 
     /// Disc, and neck and handle up to `end` mm from the disc's centre in steps of `step` mm.
     fn mesh(&self, end: f64, step: f64) -> TriMesh {
+        let (outline, edge) = self.outline();
+        let (mut mesh, ring) = self.disc(&outline, &edge);
+        self.neck(&mut mesh, ring, &self.line(), end, step);
+        // Corners of the edge that the neck covers.
+        drop_unused(&mut mesh);
+        mesh.placed(1e-3, Vec3::zeros())
+    }
+
+    /// Returns the disc, mm, open where the neck stands, and the rim of this opening.
+    ///
+    /// Vertices are the middle of the reflecting face, a ring of [`AROUND`] for each row of the outline, and the
+    /// middle of the back.
+    pub(super) fn disc(
+        &self,
+        outline: &[[f64; 2]],
+        edge: &std::ops::RangeInclusive<usize>,
+    ) -> (TriMesh, Vec<u32>) {
         let line = self.line();
         let centre = line(0.0);
         let (up, across, normal) = (centre.along, Vec3::y(), centre.side());
-        let (outline, edge) = self.outline();
         let rows = outline.len();
         // Half the foot's width in sides of the circumference.
         let side_mm = std::f64::consts::TAU * self.radius() / AROUND as f64;
@@ -199,7 +215,7 @@ impl Mirror {
         let mut mesh = TriMesh::default();
         mesh.vertices.push(centre.point + normal * half);
         // Corners are counted from the one that begins the foot.
-        for &[from_axis, height] in &outline {
+        for &[from_axis, height] in outline {
             for corner in 0..AROUND {
                 let turned = (corner as f64 - foot as f64) / AROUND as f64;
                 let angle = std::f64::consts::TAU * turned;
@@ -234,10 +250,40 @@ impl Mirror {
         ring.extend((top..low).map(|row| at(row, 2 * foot)));
         ring.extend((1..=2 * foot).rev().map(|corner| at(low, corner)));
         ring.extend((top + 1..=low).rev().map(|row| at(row, 0)));
-        self.neck(&mut mesh, ring, &line, end, step);
-        // Corners of the edge that the neck covers.
-        drop_unused(&mut mesh);
-        mesh.placed(1e-3, Vec3::zeros())
+        (mesh, ring)
+    }
+
+    /// Returns the places of the foot's corners in its cross-section, along its side and along y, mm.
+    pub(super) fn offsets(&self, mesh: &TriMesh, ring: &[u32]) -> Vec<[f64; 2]> {
+        let foot = self.line()(self.radius());
+        let of = |v: &u32| {
+            let off = mesh.vertices[*v as usize] - foot.point;
+            [off.dot(&foot.side()), off.y]
+        };
+        ring.iter().map(of).collect()
+    }
+
+    /// Returns the cross-sections of neck and handle before the round end, mm from the disc's centre, with radii, mm.
+    pub(super) fn neck_rings(&self, end: f64, step: f64) -> Vec<(f64, f64)> {
+        let begin = self.radius() + 0.25;
+        let straight = end - self.thickness(end) - begin;
+        let steps = (straight / step).ceil() as usize;
+        (0..=steps)
+            .map(|k| begin + straight * k as f64 / steps as f64)
+            .map(|s| (s, self.thickness(s)))
+            .collect()
+    }
+
+    /// Returns the corners of a cross-section of the neck, mm. The foot's outline becomes round.
+    pub(super) fn neck_ring(&self, offsets: &[[f64; 2]], s: f64, radius: f64) -> Vec<Vec3> {
+        let station = self.line()(s);
+        let round = ramp(s - self.radius(), 0.0, FOOT_MM);
+        let of = |[height, width]: &[f64; 2]| {
+            let length = (height * height + width * width).sqrt();
+            let mix = |x: f64| x * (1.0 - round) + x / length * radius * round;
+            station.point + station.side() * mix(*height) + Vec3::y() * mix(*width)
+        };
+        offsets.iter().map(of).collect()
     }
 
     /// Continues the rim of an opening (`ring`) into the neck and closes it with a round end.
@@ -249,23 +295,9 @@ impl Mirror {
         end: f64,
         step: f64,
     ) {
-        let foot = line(self.radius());
-        // Places of the foot's corners in its cross-section, with their directions.
-        let offsets: Vec<[f64; 2]> = ring
-            .iter()
-            .map(|&v| {
-                let off = mesh.vertices[v as usize] - foot.point;
-                [off.dot(&foot.side()), off.y]
-            })
-            .collect();
+        let offsets = self.offsets(mesh, &ring);
         let last = self.thickness(end);
-        let begin = self.radius() + 0.25;
-        let straight = end - last - begin;
-        let steps = (straight / step).ceil() as usize;
-        let mut rings: Vec<(f64, f64)> = (0..=steps)
-            .map(|k| begin + straight * k as f64 / steps as f64)
-            .map(|s| (s, self.thickness(s)))
-            .collect();
+        let mut rings = self.neck_rings(end, step);
         const CAP: usize = 8;
         for k in (1..CAP).rev() {
             let angle = std::f64::consts::FRAC_PI_2 * k as f64 / CAP as f64;
@@ -284,15 +316,8 @@ impl Mirror {
             }
         };
         for (s, radius) in rings {
-            let station = line(s);
             let first = mesh.vertices.len() as u32;
-            let round = ramp(s - self.radius(), 0.0, FOOT_MM);
-            for [height, width] in &offsets {
-                let length = (height * height + width * width).sqrt();
-                let mix = |x: f64| x * (1.0 - round) + x / length * radius * round;
-                mesh.vertices
-                    .push(station.point + station.side() * mix(*height) + Vec3::y() * mix(*width));
-            }
+            mesh.vertices.extend(self.neck_ring(&offsets, s, radius));
             let upper: Vec<u32> = (first..mesh.vertices.len() as u32).collect();
             join(mesh, &ring, &upper);
             ring = upper;

@@ -1,5 +1,6 @@
 //! Parametric instruments: periodontal probe and mouth mirror.
 
+pub mod drawn;
 pub mod marking;
 pub mod mirror;
 pub mod probe;

@@ -17,7 +17,7 @@ use sulcus_core::scene::Band;
 use sulcus_core::{DisplayMesh, Vec3};
 
 use super::marking::Marking;
-use super::tube::{Piece, Station, handle, instrument, linear, sweep};
+use super::tube::{Piece, Station, handle, instrument, linear, rings, sweep};
 use crate::mesh::TriMesh;
 
 /// Dimensions of the probe, millimetres and degrees.
@@ -75,6 +75,8 @@ const SHANK_MM: f64 = 19.0;
 const LINE_MM: f64 = 0.2;
 /// Length over which black becomes steel, as drawn, mm.
 const FADE_MM: f64 = 0.03;
+/// Distance between cross-sections of the display mesh, mm.
+const DISPLAY_STEP_MM: f64 = 1.0;
 /// Colour of black marks, sRGB with alpha.
 const BLACK: [u8; 4] = [24, 24, 26, 255];
 /// Steps of the ball's upper half.
@@ -98,14 +100,23 @@ impl Probe {
     }
 
     /// End of the bends, mm along the centre line.
-    fn bent(&self) -> f64 {
+    pub(super) fn bent(&self) -> f64 {
         self.working_end_mm
             + BEND_MM * (self.working_end_deg + 2.0 * self.shank_deg).to_radians()
             + SHANK_MM
     }
 
+    /// Start and end of both bends, mm along the centre line.
+    pub(super) fn bends(&self) -> [[f64; 2]; 2] {
+        let end = self.bent();
+        let first = BEND_MM * (self.working_end_deg + self.shank_deg).to_radians();
+        let second = BEND_MM * self.shank_deg.to_radians();
+        let straight = self.working_end_mm;
+        [[straight, straight + first], [end - second, end]]
+    }
+
     /// Centre line at `s` mm from the tip, in the tool's frame, mm.
-    fn line(&self) -> impl Fn(f64) -> Station {
+    pub(super) fn line(&self) -> impl Fn(f64) -> Station {
         let (working, shank) = (
             -self.working_end_deg.to_radians(),
             self.shank_deg.to_radians(),
@@ -123,7 +134,7 @@ impl Probe {
     }
 
     /// Returns the radius at `s` mm from the tip, mm. Below the middle of the round end it is that of the round end.
-    fn radius(&self, s: f64) -> f64 {
+    pub(super) fn radius(&self, s: f64) -> f64 {
         let (tip, stem) = (0.5 * self.tip_diameter_mm, 0.5 * self.stem_mm());
         let mut knots = vec![(0.0, stem), (tip, stem)];
         if self.ball_end().is_some() {
@@ -165,13 +176,30 @@ impl Probe {
 
     /// Returns the whole instrument, closed, metres, tool frame, with cross-sections at every change of colour.
     pub fn display_mesh(&self) -> TriMesh {
+        self.swept(self.length_mm, DISPLAY_STEP_MM, &self.display_sections())
+    }
+
+    /// Returns the cross-sections at every change of colour and of the ball, mm from the tip.
+    fn display_sections(&self) -> Vec<f64> {
         let half = 0.5 * FADE_MM;
         let black = self.marking.black(LINE_MM);
         let borders = black.iter().flatten();
         let mut sections: Vec<f64> = borders.flat_map(|s| [s - half, s + half]).collect();
         sections.extend(self.ball_sections());
         sections.sort_by(f64::total_cmp);
-        self.swept(self.length_mm, 1.0, &sections)
+        sections
+    }
+
+    /// Returns the cross-sections of the display mesh, mm from the tip, each with its radius, mm.
+    pub(super) fn display_rings(&self) -> Vec<(f64, f64)> {
+        let radius = |s| self.radius(s);
+        let also = self.display_sections();
+        rings(&radius, 0.0, self.length_mm, DISPLAY_STEP_MM, &also)
+    }
+
+    /// Returns the black stretches, mm from the tip, ascending.
+    pub(super) fn black(&self) -> Vec<[f64; 2]> {
+        self.marking.black(LINE_MM)
     }
 
     fn swept(&self, to: f64, step: f64, also: &[f64]) -> TriMesh {

@@ -10,7 +10,7 @@ use sulcus_core::Vec3;
 use crate::mesh::TriMesh;
 
 /// Corners of a cross-section.
-const AROUND: usize = 28;
+pub(super) const AROUND: usize = 28;
 
 /// A point of the centre line.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -123,18 +123,14 @@ pub(crate) fn linear(knots: &[(f64, f64)], s: f64) -> f64 {
 /// Least distance of a regular cross-section from a requested one, mm.
 const TOO_NEAR: f64 = 0.02;
 
-/// Sweeps a disc along `line` with radius `radius(s)`, in steps of `step`. Cross-sections are also at each of `also`,
-/// which is ascending.
-///
-/// Both ends are hemispheres inside the ends of the line.
-pub(crate) fn sweep(
-    line: &dyn Fn(f64) -> Station,
+/// Returns the cross-sections of [`sweep`]: places along the line and radii, ascending.
+pub(crate) fn rings(
     radius: &dyn Fn(f64) -> f64,
     from: f64,
     to: f64,
     step: f64,
     also: &[f64],
-) -> TriMesh {
+) -> Vec<(f64, f64)> {
     let mut rings: Vec<(f64, f64)> = Vec::new();
     let (r0, r1) = (radius(from), radius(to));
     const CAP: usize = 8;
@@ -170,6 +166,22 @@ pub(crate) fn sweep(
     for k in (1..CAP).rev() {
         rings.push((to - r1 * (1.0 - libm::cos(cap(k))), r1 * libm::sin(cap(k))));
     }
+    rings
+}
+
+/// Sweeps a disc along `line` with radius `radius(s)`, in steps of `step`. Cross-sections are also at each of `also`,
+/// which is ascending.
+///
+/// Both ends are hemispheres inside the ends of the line.
+pub(crate) fn sweep(
+    line: &dyn Fn(f64) -> Station,
+    radius: &dyn Fn(f64) -> f64,
+    from: f64,
+    to: f64,
+    step: f64,
+    also: &[f64],
+) -> TriMesh {
+    let rings = rings(radius, from, to, step, also);
     let mut mesh = TriMesh {
         vertices: vec![line(from).point],
         triangles: Vec::new(),

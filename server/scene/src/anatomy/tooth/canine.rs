@@ -1,6 +1,6 @@
 //! The canine: one cusp with the mesial slope shorter, a strong cingulum, the longest root.
 
-use super::form::{Form, Size};
+use super::form::{Fissures, Form, Size};
 use super::section::Walls;
 use crate::mesh::implicit::{bell, ramp};
 
@@ -45,6 +45,7 @@ pub(super) static CANINE: Form = Form {
         apex: 1.6,
         cej: [2.5, 1.6, 0.2],
     },
+    fissures: &Fissures::NONE,
     edge: 0.5,
     chewing: |x, y, _| {
         let d = x - 0.45;

@@ -15,6 +15,22 @@ pub(super) struct Size {
     pub(super) root: f64,
 }
 
+/// Fissures of a chewing surface, drawn x and y, mm.
+pub(super) struct Fissures {
+    /// Developmental grooves, each a chain of points. They meet the pits.
+    pub(super) main: &'static [&'static [[f64; 2]]],
+    /// Supplementary grooves beside the triangular ridges. They fade towards their second ends.
+    pub(super) branches: &'static [[[f64; 2]; 2]],
+}
+
+impl Fissures {
+    /// No fissures: a tooth without a chewing table.
+    pub(super) const NONE: Self = Self {
+        main: &[],
+        branches: &[],
+    };
+}
+
 /// Drawing of one tooth.
 pub(super) struct Form {
     /// Average size: the size of a tooth without other dimensions.
@@ -24,6 +40,8 @@ pub(super) struct Form {
     /// Edge of the grid, mm.
     pub(super) grid: f64,
     pub(super) walls: Walls,
+    /// Fissures of the chewing surface.
+    pub(super) fissures: &'static Fissures,
     /// Rounding of the edge between walls and chewing surface, mm.
     pub(super) edge: f64,
     /// Height of the chewing surface over a point, by relief.

@@ -1,6 +1,6 @@
 //! The incisors: a shovel with a straight edge on a root that is flat from the sides.
 
-use super::form::{Form, Size};
+use super::form::{Fissures, Form, Size};
 use super::section::{Spot, Walls};
 use crate::mesh::implicit::{bell, ramp, smooth_min};
 
@@ -46,6 +46,7 @@ pub(super) static CENTRAL: Form = Form {
         apex: 1.2,
         cej: [3.0, 2.2, 0.2],
     },
+    fissures: &Fissures::NONE,
     edge: 0.45,
     chewing: |x, y, _| 9.0 + 0.12 * (y + 0.4) - 0.03 * x * x * 0.2,
     carving: |spot| blade(spot, 9.0),
@@ -92,6 +93,7 @@ pub(super) static LATERAL: Form = Form {
         apex: 1.4,
         cej: [3.0, 2.2, 0.2],
     },
+    fissures: &Fissures::NONE,
     edge: 0.45,
     chewing: |x, y, _| {
         let corner = ramp(-x, 0.6, 3.0);

@@ -12,6 +12,7 @@
 //! Nelson, *Wheeler's Dental Anatomy, Physiology, and Occlusion*.
 
 mod canine;
+mod creases;
 mod form;
 mod incisor;
 mod measure;
@@ -29,6 +30,7 @@ use crate::mesh::polygonise::polygonise;
 use form::{Form, Size};
 
 pub use crate::file::ToothSizes;
+pub use creases::Fissure;
 pub use measure::Furcation;
 
 /// A lower tooth: its number and its dimensions.

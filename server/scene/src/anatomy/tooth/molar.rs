@@ -1,6 +1,6 @@
 //! The molars: the first with five cusps, the second with four and a cross of grooves, closer roots.
 
-use super::form::{Form, Size};
+use super::form::{Fissures, Form, Size};
 use super::occlusal::{Cusp, branch, cusps, deepest, groove, marginal, pit};
 use super::root::{Roots, Tube};
 use super::section::{Spot, Walls};
@@ -46,6 +46,7 @@ pub(super) static FIRST: Form = Form {
         apex: 1.5,
         cej: [1.0, 0.6, 0.1],
     },
+    fissures: &FIRST_FISSURES,
     edge: 0.7,
     chewing: |x, y, relief| {
         let mut height = cusps(&FIRST_CUSPS, x, y, relief, 0.45);
@@ -76,48 +77,20 @@ pub(super) static FIRST: Form = Form {
             ),
             0.6,
         );
-        let central = [
-            [3.0, -0.1],
-            [2.2, 0.2],
-            [1.15, 0.1],
-            [0.3, -0.25],
-            [-0.4, -0.2],
-            [-1.2, 0.15],
-            [-1.95, 0.15],
-            [-3.2, -0.4],
-        ];
         // Developmental grooves, supplementary ones beside the triangular ridges, and pits.
         height
             - deepest(&[
-                -groove(&central, 0.2, 0.42, x, y),
-                groove(
-                    &[[1.15, 0.1], [1.3, 1.3], [1.15, 2.5], [1.1, 5.5]],
-                    0.22,
-                    0.42,
-                    x,
-                    y,
-                ),
-                groove(
-                    &[[-1.95, 0.15], [-2.3, 1.3], [-2.6, 2.3], [-2.8, 5.0]],
-                    0.18,
-                    0.42,
-                    x,
-                    y,
-                ),
-                groove(
-                    &[[-0.4, -0.2], [0.0, -1.3], [0.35, -2.5], [0.35, -5.5]],
-                    0.22,
-                    0.42,
-                    x,
-                    y,
-                ),
-                branch([[3.0, -0.1], [3.7, 1.6]], x, y),
-                branch([[3.0, -0.1], [3.65, -1.8]], x, y),
-                branch([[1.25, 1.2], [2.1, 2.2]], x, y),
-                branch([[-1.2, 0.15], [-1.6, 1.9]], x, y),
-                branch([[0.0, -1.2], [1.2, -2.3]], x, y),
-                branch([[-0.2, -0.9], [-1.0, -2.3]], x, y),
-                branch([[-3.2, -0.4], [-3.1, -1.9]], x, y),
+                -groove(FIRST_FISSURES.main[0], 0.2, 0.42, x, y),
+                groove(FIRST_FISSURES.main[1], 0.22, 0.42, x, y),
+                groove(FIRST_FISSURES.main[2], 0.18, 0.42, x, y),
+                groove(FIRST_FISSURES.main[3], 0.22, 0.42, x, y),
+                branch(FIRST_FISSURES.branches[0], x, y),
+                branch(FIRST_FISSURES.branches[1], x, y),
+                branch(FIRST_FISSURES.branches[2], x, y),
+                branch(FIRST_FISSURES.branches[3], x, y),
+                branch(FIRST_FISSURES.branches[4], x, y),
+                branch(FIRST_FISSURES.branches[5], x, y),
+                branch(FIRST_FISSURES.branches[6], x, y),
             ])
             - deepest(&[
                 pit([-0.4, -0.2], 0.16, 0.6, x, y),
@@ -154,6 +127,33 @@ pub(super) static FIRST: Form = Form {
         reach: 4.0,
         arch: 1.0,
     }),
+};
+
+static FIRST_FISSURES: Fissures = Fissures {
+    main: &[
+        &[
+            [3.0, -0.1],
+            [2.2, 0.2],
+            [1.15, 0.1],
+            [0.3, -0.25],
+            [-0.4, -0.2],
+            [-1.2, 0.15],
+            [-1.95, 0.15],
+            [-3.2, -0.4],
+        ],
+        &[[1.15, 0.1], [1.3, 1.3], [1.15, 2.5], [1.1, 5.5]],
+        &[[-1.95, 0.15], [-2.3, 1.3], [-2.6, 2.3], [-2.8, 5.0]],
+        &[[-0.4, -0.2], [0.0, -1.3], [0.35, -2.5], [0.35, -5.5]],
+    ],
+    branches: &[
+        [[3.0, -0.1], [3.7, 1.6]],
+        [[3.0, -0.1], [3.65, -1.8]],
+        [[1.25, 1.2], [2.1, 2.2]],
+        [[-1.2, 0.15], [-1.6, 1.9]],
+        [[0.0, -1.2], [1.2, -2.3]],
+        [[-0.2, -0.9], [-1.0, -2.3]],
+        [[-3.2, -0.4], [-3.1, -1.9]],
+    ],
 };
 
 static FIRST_CUSPS: [Cusp; 5] = [
@@ -231,6 +231,7 @@ pub(super) static SECOND: Form = Form {
         apex: 1.5,
         cej: [1.0, 0.6, 0.1],
     },
+    fissures: &SECOND_FISSURES,
     edge: 0.7,
     chewing: |x, y, relief| {
         let mut height = cusps(&SECOND_CUSPS, x, y, relief, 0.45);
@@ -267,43 +268,17 @@ pub(super) static SECOND: Form = Form {
         // Developmental grooves, supplementary ones beside the triangular ridges, and pits.
         height
             - deepest(&[
-                -groove(
-                    &[
-                        [2.85, 0.0],
-                        [1.9, 0.2],
-                        [0.9, 0.15],
-                        [0.0, -0.1],
-                        [-1.0, 0.1],
-                        [-1.9, 0.15],
-                        [-2.85, 0.0],
-                    ],
-                    0.2,
-                    0.42,
-                    x,
-                    y,
-                ),
-                groove(
-                    &[[0.15, 5.0], [0.1, 2.6], [-0.12, 1.2], [0.0, -0.1]],
-                    0.2,
-                    0.42,
-                    x,
-                    y,
-                ),
-                groove(
-                    &[[0.0, -0.1], [0.2, -1.3], [0.1, -2.6], [0.05, -5.0]],
-                    0.2,
-                    0.42,
-                    x,
-                    y,
-                ),
-                branch([[2.85, 0.0], [3.4, 1.6]], x, y),
-                branch([[2.85, 0.0], [3.35, -1.7]], x, y),
-                branch([[-2.85, 0.0], [-3.3, 1.5]], x, y),
-                branch([[-2.85, 0.0], [-3.2, -1.6]], x, y),
-                branch([[-0.1, 1.1], [1.0, 2.2]], x, y),
-                branch([[-0.1, 1.1], [-1.1, 2.2]], x, y),
-                branch([[0.2, -1.2], [1.1, -2.3]], x, y),
-                branch([[0.15, -1.0], [-1.0, -2.2]], x, y),
+                -groove(SECOND_FISSURES.main[0], 0.2, 0.42, x, y),
+                groove(SECOND_FISSURES.main[1], 0.2, 0.42, x, y),
+                groove(SECOND_FISSURES.main[2], 0.2, 0.42, x, y),
+                branch(SECOND_FISSURES.branches[0], x, y),
+                branch(SECOND_FISSURES.branches[1], x, y),
+                branch(SECOND_FISSURES.branches[2], x, y),
+                branch(SECOND_FISSURES.branches[3], x, y),
+                branch(SECOND_FISSURES.branches[4], x, y),
+                branch(SECOND_FISSURES.branches[5], x, y),
+                branch(SECOND_FISSURES.branches[6], x, y),
+                branch(SECOND_FISSURES.branches[7], x, y),
             ])
             - deepest(&[
                 pit([0.0, -0.1], 0.16, 0.6, x, y),
@@ -339,6 +314,32 @@ pub(super) static SECOND: Form = Form {
         reach: 4.0,
         arch: 1.0,
     }),
+};
+
+static SECOND_FISSURES: Fissures = Fissures {
+    main: &[
+        &[
+            [2.85, 0.0],
+            [1.9, 0.2],
+            [0.9, 0.15],
+            [0.0, -0.1],
+            [-1.0, 0.1],
+            [-1.9, 0.15],
+            [-2.85, 0.0],
+        ],
+        &[[0.15, 5.0], [0.1, 2.6], [-0.12, 1.2], [0.0, -0.1]],
+        &[[0.0, -0.1], [0.2, -1.3], [0.1, -2.6], [0.05, -5.0]],
+    ],
+    branches: &[
+        [[2.85, 0.0], [3.4, 1.6]],
+        [[2.85, 0.0], [3.35, -1.7]],
+        [[-2.85, 0.0], [-3.3, 1.5]],
+        [[-2.85, 0.0], [-3.2, -1.6]],
+        [[-0.1, 1.1], [1.0, 2.2]],
+        [[-0.1, 1.1], [-1.1, 2.2]],
+        [[0.2, -1.2], [1.1, -2.3]],
+        [[0.15, -1.0], [-1.0, -2.2]],
+    ],
 };
 
 static SECOND_CUSPS: [Cusp; 4] = [

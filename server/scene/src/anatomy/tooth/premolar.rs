@@ -1,6 +1,6 @@
 //! The premolars: the first almost a canine with a small lingual cusp, the second a small molar with three cusps.
 
-use super::form::{Form, Size};
+use super::form::{Fissures, Form, Size};
 use super::occlusal::{Cusp, branch, cusps, deepest, groove, marginal, pit};
 use super::section::{Spot, Walls};
 use crate::mesh::implicit::{bell, ramp, smooth_max};
@@ -47,6 +47,7 @@ pub(super) static FIRST: Form = Form {
         apex: 1.5,
         cej: [1.0, 0.6, 0.1],
     },
+    fissures: &FIRST_FISSURES,
     edge: 0.5,
     chewing: |x, y, relief| {
         let mut height = cusps(&FIRST_CUSPS, x, y, relief, 0.35);
@@ -73,23 +74,11 @@ pub(super) static FIRST: Form = Form {
         // Developmental grooves, supplementary ones beside the triangular ridges, and pits.
         height
             - deepest(&[
-                -branch([[1.6, -0.8], [1.5, 0.5]], x, y),
-                groove(&[[1.6, -0.8], [1.9, -2.0], [2.1, -3.2]], 0.22, 0.38, x, y),
-                groove(
-                    &[
-                        [1.6, -0.8],
-                        [0.9, -1.5],
-                        [-0.1, -1.75],
-                        [-1.0, -1.5],
-                        [-1.6, -0.9],
-                    ],
-                    0.10,
-                    0.38,
-                    x,
-                    y,
-                ),
-                branch([[-1.6, -0.8], [-1.5, 0.5]], x, y),
-                branch([[-1.6, -0.8], [-1.2, -2.0]], x, y),
+                -branch(FIRST_FISSURES.branches[0], x, y),
+                groove(FIRST_FISSURES.main[0], 0.22, 0.38, x, y),
+                groove(FIRST_FISSURES.main[1], 0.10, 0.38, x, y),
+                branch(FIRST_FISSURES.branches[1], x, y),
+                branch(FIRST_FISSURES.branches[2], x, y),
             ])
             - deepest(&[
                 pit([1.6, -0.7], 0.12, 0.5, x, y),
@@ -103,6 +92,24 @@ pub(super) static FIRST: Form = Form {
         over + lobes(spot, 8.5) + sides(spot)
     },
     roots: None,
+};
+
+static FIRST_FISSURES: Fissures = Fissures {
+    main: &[
+        &[[1.6, -0.8], [1.9, -2.0], [2.1, -3.2]],
+        &[
+            [1.6, -0.8],
+            [0.9, -1.5],
+            [-0.1, -1.75],
+            [-1.0, -1.5],
+            [-1.6, -0.9],
+        ],
+    ],
+    branches: &[
+        [[1.6, -0.8], [1.5, 0.5]],
+        [[-1.6, -0.8], [-1.5, 0.5]],
+        [[-1.6, -0.8], [-1.2, -2.0]],
+    ],
 };
 
 static FIRST_CUSPS: [Cusp; 2] = [
@@ -162,6 +169,7 @@ pub(super) static SECOND: Form = Form {
         apex: 1.6,
         cej: [1.0, 0.6, 0.1],
     },
+    fissures: &SECOND_FISSURES,
     edge: 0.5,
     chewing: |x, y, relief| {
         let mut height = cusps(&SECOND_CUSPS, x, y, relief, 0.35);
@@ -198,30 +206,11 @@ pub(super) static SECOND: Form = Form {
         // Developmental grooves, supplementary ones beside the triangular ridges, and pits.
         height
             - deepest(&[
-                -groove(
-                    &[
-                        [1.8, 0.1],
-                        [0.9, -0.05],
-                        [0.2, -0.35],
-                        [-0.4, -0.5],
-                        [-1.0, -0.25],
-                        [-1.8, 0.05],
-                    ],
-                    0.18,
-                    0.38,
-                    x,
-                    y,
-                ),
-                groove(
-                    &[[-0.4, -0.5], [-0.45, -1.4], [-0.6, -2.3], [-0.6, -4.0]],
-                    0.22,
-                    0.38,
-                    x,
-                    y,
-                ),
-                branch([[1.8, 0.1], [2.1, 1.3]], x, y),
-                branch([[1.8, 0.1], [2.1, -1.3]], x, y),
-                branch([[-1.8, 0.05], [-2.05, 1.2]], x, y),
+                -groove(SECOND_FISSURES.main[0], 0.18, 0.38, x, y),
+                groove(SECOND_FISSURES.main[1], 0.22, 0.38, x, y),
+                branch(SECOND_FISSURES.branches[0], x, y),
+                branch(SECOND_FISSURES.branches[1], x, y),
+                branch(SECOND_FISSURES.branches[2], x, y),
             ])
             - deepest(&[
                 pit([1.8, 0.1], 0.14, 0.45, x, y),
@@ -235,6 +224,25 @@ pub(super) static SECOND: Form = Form {
         over + lobes(spot, 8.0) + sides(spot)
     },
     roots: None,
+};
+
+static SECOND_FISSURES: Fissures = Fissures {
+    main: &[
+        &[
+            [1.8, 0.1],
+            [0.9, -0.05],
+            [0.2, -0.35],
+            [-0.4, -0.5],
+            [-1.0, -0.25],
+            [-1.8, 0.05],
+        ],
+        &[[-0.4, -0.5], [-0.45, -1.4], [-0.6, -2.3], [-0.6, -4.0]],
+    ],
+    branches: &[
+        [[1.8, 0.1], [2.1, 1.3]],
+        [[1.8, 0.1], [2.1, -1.3]],
+        [[-1.8, 0.05], [-2.05, 1.2]],
+    ],
 };
 
 static SECOND_CUSPS: [Cusp; 3] = [

@@ -1,11 +1,15 @@
-//! `picture`: an instant of an exercise, or a scene at rest, as a PNG file.
+//! `picture`: an instant of an exercise or of a recording, or a scene at rest, as a PNG file.
 
-use anyhow::{Context, anyhow};
+mod follower;
+
+use std::path::Path;
+
+use anyhow::{Context, anyhow, bail};
 use sulcus_connection::progress::Steps;
-use sulcus_core::{NoProbe, Scene, State, TickInput, Workspace, tick};
+use sulcus_core::{NoProbe, Scene, State, TickInput, TickOutput, Workspace, tick};
 use sulcus_demo::exercise::{self, Asked};
 use sulcus_demo::lockstep::as_sent;
-use sulcus_display::{Display, Frames};
+use sulcus_display::Display;
 use sulcus_operator::{Operator, Shown};
 use sulcus_program::{PathText, say, tell};
 use sulcus_scene::BuiltIn;
@@ -14,9 +18,10 @@ use sulcus_screen::moment::Moment;
 use sulcus_screen::quality::Quality;
 use sulcus_screen::stage::Stage;
 use sulcus_screen::views::View;
-use sulcus_sessions::{Events, Exercise, Moved, Sampler, Shapes};
+use sulcus_sessions::{Exercise, Recording, ReplayOptions, Span, replay_observed};
 
 use crate::cli::PictureArgs;
+use follower::Follower;
 
 /// Exercise of a picture without a scene.
 const USUAL: &str = "bimanual";
@@ -60,6 +65,9 @@ pub fn run(args: &PictureArgs) -> anyhow::Result<u8> {
 
 /// Returns the display of the scene, and the instant to be drawn.
 fn instant(args: &PictureArgs, steps: &Steps) -> anyhow::Result<(Display, Moment)> {
+    if let Some(file) = &args.recording {
+        return replayed(file, args.at, steps);
+    }
     let name = match (&args.exercise, &args.scene) {
         (Some(name), _) => name,
         (None, None) => USUAL,
@@ -100,30 +108,54 @@ fn performed(
     progress: &dyn Fn(f64),
 ) -> Moment {
     let (mut state, mut workspace) = (State::new(scene), Workspace::new(scene));
-    let mut events = Events::new(scene, exercise);
-    let (mut sampler, mut shapes) = (Sampler::new(scene), Shapes::new(scene));
-    let (mut moved, mut frames) = (Moved::new(scene), Frames::new(scene, display));
+    let mut follower = Follower::new(scene, display, exercise);
     let (mut shown, mut input) = (Shown::NOTHING, TickInput::IDLE);
-    let mut moment = Moment::rest(display.scene());
     for k in 1..=ticks {
         input.tools = operator.step(&shown);
         let output = tick(scene, &mut state, &mut workspace, &input, &mut NoProbe);
         shown = as_sent(&output);
-        for event in events.take(scene, &output, None) {
-            frames.occurred(&event);
-        }
-        if sampler.is_due(output.tick) || k == ticks {
-            sampler.read(output.tick, &workspace, &mut shapes);
-            moved.follow(&shapes);
-        }
-        let is_due = frames.is_due(output.tick);
-        if k == ticks {
-            let frame = frames.frame(display, &output, false, &moved);
-            moment = Moment::of(display.scene(), &frame);
-        }
-        if is_due && k % 512 == 0 {
+        follower.tick(&output, &workspace, k == ticks);
+        if k.is_multiple_of(500) {
             progress(k as f64 / ticks as f64);
         }
     }
-    moment
+    follower.moment()
+}
+
+/// Replays a recording from its begin up to a time, and returns the last instant.
+fn replayed(file: &Path, at_s: f64, steps: &Steps) -> anyhow::Result<(Display, Moment)> {
+    let context = || file.shown().to_string();
+    let recording = Recording::open(file).with_context(context)?;
+    let scene = recording.scene().with_context(context)?;
+    let display = Display::new(&scene)?;
+    let text = &recording.header().exercise;
+    // A recording of no exercise has an empty text: a free session.
+    let exercise = Exercise::parse(text).unwrap_or_else(|_| Exercise::free("free", 1.0));
+    let last = (at_s / scene.tick_s()).round() as u64;
+    let mut follower = Follower::new(&scene, &display, &exercise);
+    let options = ReplayOptions {
+        span: Span {
+            from_s: None,
+            to_s: Some(at_s),
+        },
+        ..ReplayOptions::default()
+    };
+    let bar = steps.bar("replaying");
+    let mut progress = |ticks: u64| bar.set("replaying", ticks as f64 / last.max(1) as f64);
+    let mut seen = 0;
+    let mut observe = |_: &Scene, _: &TickInput, output: &TickOutput, workspace: &Workspace| {
+        seen = output.tick;
+        // The grid point at the time itself may be missing.
+        follower.tick(output, workspace, output.tick + 20 >= last);
+    };
+    let report = replay_observed(&recording, &options, &mut progress, &mut observe).with_context(context)?;
+    bar.done();
+    if let Some(tick) = report.first_divergent_tick {
+        tell!("warning: the replay differs from tick {tick} on");
+    }
+    if seen == 0 {
+        bail!("{}: no tick was recorded before {at_s} s", file.shown());
+    }
+    let moment = follower.moment();
+    Ok((display, moment))
 }

@@ -1,0 +1,81 @@
+//! A virtual display: Xvfb, with xdotool as the person at it.
+
+use std::process::{Child, Command, Stdio};
+use std::time::{Duration, Instant};
+
+use sulcus_screen::gpu::{Backend, Graphics};
+
+/// Whether a graphics adapter is here; the error names the reason.
+pub fn adapter() -> Result<(), String> {
+    let opened = Graphics::headless(Backend::Any);
+    opened.map(|_| ()).map_err(|error| error.to_string())
+}
+
+/// Running Xvfb; it ends with this value.
+pub struct VirtualDisplay {
+    server: Child,
+    name: String,
+}
+
+impl VirtualDisplay {
+    /// Starts a display with a number of this process.
+    pub fn start() -> Result<Self, String> {
+        let name = format!(":{}", 100 + std::process::id() % 30_000);
+        let server = Command::new("Xvfb")
+            .args([&name, "-screen", "0", "1280x800x24", "-nolisten", "tcp"])
+            .stdout(Stdio::null())
+            .stderr(Stdio::null())
+            .spawn()
+            .map_err(|error| format!("Xvfb: {error}"))?;
+        let display = Self { server, name };
+        let begin = Instant::now();
+        while !display.answers()? {
+            if begin.elapsed() > Duration::from_secs(60) {
+                return Err("Xvfb does not answer".into());
+            }
+            std::thread::sleep(Duration::from_millis(50));
+        }
+        Ok(display)
+    }
+
+    /// Name of the display.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    fn answers(&self) -> Result<bool, String> {
+        let asked = self.command(&["getmouselocation"]).stdout(Stdio::null()).stderr(Stdio::null()).status();
+        asked.map(|status| status.success()).map_err(|error| format!("xdotool: {error}"))
+    }
+
+    fn command(&self, arguments: &[&str]) -> Command {
+        let mut command = Command::new("xdotool");
+        command.env("DISPLAY", &self.name).args(arguments);
+        command
+    }
+
+    /// Performs a command of xdotool.
+    pub fn tool(&self, arguments: &[&str]) {
+        let done = self.command(arguments).status().expect("xdotool");
+        assert!(done.success(), "xdotool {arguments:?}");
+    }
+
+    /// Number of the window with this title.
+    pub fn window(&self, title: &str) -> Option<String> {
+        let found = self.command(&["search", "--name", title]).output().ok()?;
+        let text = String::from_utf8(found.stdout).ok()?;
+        text.lines().next().map(str::to_owned)
+    }
+
+    /// Closes a window as a window manager does.
+    pub fn close(&self, window: &str) {
+        self.tool(&["windowclose", window]);
+    }
+}
+
+impl Drop for VirtualDisplay {
+    fn drop(&mut self) {
+        let _ = self.server.kill();
+        let _ = self.server.wait();
+    }
+}
