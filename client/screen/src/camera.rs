@@ -104,6 +104,11 @@ impl Camera {
         [right * flip, up, right.cross(&up)]
     }
 
+    /// Half the diagonal of the glass, mm.
+    pub fn half_diagonal(&self) -> f64 {
+        (self.screen[1] - self.screen[2]).norm() * 0.5
+    }
+
     /// The same camera turned about the middle of its glass: `turn` radians to the right, `tilt` radians upwards, with
     /// the distance of the eye and the size of the glass times `zoom`.
     pub fn orbited(&self, turn: f64, tilt: f64, zoom: f64) -> Self {

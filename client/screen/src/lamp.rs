@@ -11,8 +11,8 @@ const AWAY_MM: f64 = 650.0;
 const OVER_EYE: f64 = 0.33;
 /// Half width and half height of the patch, mm.
 const PATCH_MM: [f64; 2] = [80.0, 42.0];
-/// Half edge of the square that has shadows, mm.
-const SHADOWS_MM: f64 = 60.0;
+/// Range of the half edge of the square that has shadows, mm.
+const SHADOWS_MM: [f64; 2] = [15.0, 70.0];
 
 /// Lamp.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -21,6 +21,8 @@ pub struct Lamp {
     pub at: Vector,
     /// Middle of the patch, mm.
     pub towards: Vector,
+    /// Half edge of the square round the middle of the patch that has shadows, mm.
+    pub shadows_mm: f64,
     /// Brightness; 1 lights attached gingiva as in the reference colours.
     pub brightness: f64,
 }
@@ -34,6 +36,8 @@ impl Lamp {
         Self {
             at: towards + from.normalize() * AWAY_MM,
             towards,
+            // A close picture needs finer shadows.
+            shadows_mm: (1.3 * camera.half_diagonal()).clamp(SHADOWS_MM[0], SHADOWS_MM[1]),
             brightness: 1.0,
         }
     }
@@ -69,7 +73,7 @@ impl Lamp {
             Vector::z()
         };
         let away = (self.towards - self.at).norm();
-        let height = 2.0 * (SHADOWS_MM / away).atan().to_degrees();
+        let height = 2.0 * (self.shadows_mm / away).atan().to_degrees();
         let pass: PassCamera = Camera::looking(self.at, self.towards, up, height, 1.0).pass();
         pass.matrix()
     }

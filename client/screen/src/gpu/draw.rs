@@ -35,6 +35,14 @@ const DARK: wgpu::Color = wgpu::Color {
     a: 1.0,
 };
 
+/// Background of a reflection, linear light: the dim room behind the operator.
+const ROOM: wgpu::Color = wgpu::Color {
+    r: 0.075,
+    g: 0.078,
+    b: 0.082,
+    a: 1.0,
+};
+
 /// Kind of picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Mode {
@@ -97,6 +105,8 @@ pub struct Renderer {
     part_group: BindGroup,
     glass_groups: [BindGroup; GLASSES],
     panel: PanelDrawer,
+    /// Background of a reflection.
+    behind: wgpu::Color,
 }
 
 impl Renderer {
@@ -158,6 +168,7 @@ impl Renderer {
         let panel = PanelDrawer::new(device, format);
         Self {
             panel,
+            behind: if mode == Mode::Identity { DARK } else { ROOM },
             format,
             looks,
             layouts,
@@ -290,7 +301,7 @@ impl Renderer {
         let descriptor = wgpu::CommandEncoderDescriptor::default();
         let mut encoder = self.graphics.device.create_command_encoder(&descriptor);
         if self.looks.shadow > 0 {
-            let mut pass = begin(&mut encoder, None, &self.shadows);
+            let mut pass = begin(&mut encoder, None, &self.shadows, DARK);
             pass.set_pipeline(&self.pipelines.shadow);
             self.meshes(&mut pass, 1, 0, moment, None);
         }
@@ -301,6 +312,7 @@ impl Renderer {
                 &mut encoder,
                 Some((&reflection.picture, None)),
                 &reflection.depth,
+                self.behind,
             );
             let [w, h] = seen.used.map(|n| n as f32);
             pass.set_viewport(0.0, 0.0, w, h, 0.0, 1.0);
@@ -312,7 +324,7 @@ impl Renderer {
                 Some(samples) => (samples, Some(target)),
                 None => (target, None),
             };
-            let mut pass = begin(&mut encoder, Some(colour), &targets.depth);
+            let mut pass = begin(&mut encoder, Some(colour), &targets.depth, DARK);
             pass.set_pipeline(&self.pipelines.meshes[usize::from(main.turns)]);
             self.meshes(&mut pass, 0, 0, moment, None);
             pass.set_pipeline(&self.pipelines.glass);
@@ -451,6 +463,7 @@ fn begin<'e>(
     encoder: &'e mut wgpu::CommandEncoder,
     colour: Option<(&TextureView, Option<&TextureView>)>,
     depth: &TextureView,
+    clear: wgpu::Color,
 ) -> RenderPass<'e> {
     let colour = colour.map(|(view, resolve_target)| {
         Some(wgpu::RenderPassColorAttachment {
@@ -458,7 +471,7 @@ fn begin<'e>(
             depth_slice: None,
             resolve_target,
             ops: wgpu::Operations {
-                load: wgpu::LoadOp::Clear(DARK),
+                load: wgpu::LoadOp::Clear(clear),
                 store: wgpu::StoreOp::Store,
             },
         })
