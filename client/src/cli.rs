@@ -150,7 +150,7 @@ pub struct WithView<A: Args> {
 #[derive(Clone, Debug, Args)]
 pub struct ViewArgs {
     /// Show the session in a window. Needs a build with `--features view`. Keys: F1 to F6 choose the view, a drag turns,
-    /// the wheel magnifies, Home resets, Tab hides the panel, Escape pauses, w wipes blood away, F11 is full screen.
+    /// the wheel magnifies, Home resets, F7 hides the panel, Escape pauses, w wipes blood away, F11 is full screen.
     /// Findings: digits, b, s, r, f, u, Return
     #[arg(long)]
     pub view: bool,
@@ -166,6 +166,10 @@ pub struct ViewArgs {
     /// take too long
     #[arg(long, value_name = "NAME", requires = "view")]
     pub quality: Option<String>,
+    /// Move the tools with mouse and keyboard, or a 3D mouse of spacenavd, instead of the simulated operator. There is no
+    /// force. The space bar takes the tool and holds it still again; closing the window ends the session
+    #[arg(long, requires = "view")]
+    pub mouse: bool,
     /// Flip the window left to right, for a screen that is seen in a half mirror
     #[arg(long, requires = "view")]
     pub half_mirror: bool,

@@ -24,7 +24,7 @@ use crate::typed::{WithReadings, listen};
 /// # Errors
 /// Bad input, a server that does not answer or refuses, another scene at the server, or a session that cannot begin.
 pub fn run(args: &RunArgs) -> anyhow::Result<u8> {
-    run_at(args, &seat::bare)
+    run_at(args, None)
 }
 
 /// The same with the device in a seat.
@@ -39,6 +39,7 @@ pub fn run_at(args: &RunArgs, seat: Seat<'_>) -> anyhow::Result<u8> {
         );
     }
     let mut config = link_config(args)?;
+    config.device.name = seat::device(seat).to_owned();
     let steps = Steps;
     let asked = exercise::Asked {
         scene: args.scene.as_deref(),
@@ -57,7 +58,9 @@ pub fn run_at(args: &RunArgs, seat: Seat<'_>) -> anyhow::Result<u8> {
     let link =
         Link::connect(config.clone()).with_context(|| format!("server `{}`", args.server))?;
     let hello = link.hello();
-    if hello.scene_hash != prepared.scene_hash() {
+    // A person needs no scene: the server's display is enough.
+    let is_simulated = seat::device(seat) == "simulated";
+    if is_simulated && hello.scene_hash != prepared.scene_hash() {
         bail!(
             "the server simulates scene `{}`, which differs from the simulated operator's scene `{}`; give the server's scene file with --scene, the seed of its patient with --patient-seed, and its rate with --rate-hz",
             hello.scene,

@@ -18,7 +18,7 @@ use std::process::ExitCode;
 
 use clap::Parser;
 use sulcus_demo::args::DemoArgs;
-use sulcus_demo::seat::{self, Seat};
+use sulcus_demo::seat::Seat;
 use sulcus_program::{output, say, tell};
 
 /// Runs the program with the arguments of the process and returns its exit code.
@@ -81,7 +81,7 @@ fn with_view(
     session: impl FnOnce(Seat<'_>) -> anyhow::Result<u8> + Send,
 ) -> anyhow::Result<u8> {
     if !args.view {
-        return session(&seat::bare);
+        return session(None);
     }
     #[cfg(feature = "view")]
     return view::beside(args, session);

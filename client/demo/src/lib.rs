@@ -39,7 +39,7 @@ use summary::DemoSummary;
 /// An unknown exercise, an invalid scene file, a folder or a recording that cannot be written, or a session that ends
 /// early.
 pub fn run(args: &DemoArgs) -> anyhow::Result<u8> {
-    run_at(args, &seat::bare)
+    run_at(args, None)
 }
 
 /// The same with the simulated operator in a seat. A session in virtual time has no seat.

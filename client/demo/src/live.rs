@@ -11,7 +11,7 @@ use sulcus_server::{Exercise, Server, ServerConfig, SessionPlan, StationConfig};
 use crate::args::DemoArgs;
 use crate::check;
 use crate::exercise::Prepared;
-use crate::seat::{Seat, taken};
+use crate::seat::{self, Seat, taken};
 use crate::simulated::Simulated;
 use crate::summary::{DemoSummary, PassivitySummary};
 use sulcus_connection::link::{Link, LinkConfig};
@@ -40,11 +40,14 @@ pub fn run(
     plan.rubric = prepared.rubric()?;
     plan.learner.clone_from(&args.learner);
     plan.mode = args.mode;
+    if seat.is_some() {
+        plan.show()?;
+    }
     let mut station = StationConfig::new(plan);
     station.name = "demo".into();
     let config = ServerConfig::new(station, args.recordings.clone())?;
     let server = Server::start(config)?;
-    let link_config = LinkConfig::new(server.local_addr(), server.ticket(), "simulated");
+    let link_config = LinkConfig::new(server.local_addr(), server.ticket(), seat::device(seat));
     let link = Link::connect(link_config.clone())?;
     let begin = Instant::now();
     let disturb = prepared.case.map(|case| case.disturb);

@@ -15,13 +15,24 @@ pub struct Begun<'a> {
     pub exercise: &'a Exercise,
 }
 
-/// Takes a device before its session, and returns the device that performs the session. A screen returns a device that
-/// shows what it exchanges.
-pub type Seat<'a> = &'a dyn Fn(&Begun<'_>, Box<dyn EventDevice>) -> Box<dyn EventDevice>;
+/// Takes a device before its session, and returns the device that performs the session.
+pub type Taker<'a> = dyn Fn(&Begun<'_>, Box<dyn EventDevice>) -> Box<dyn EventDevice> + 'a;
 
-/// Seat without a screen: the device itself.
-pub fn bare(_: &Begun<'_>, device: Box<dyn EventDevice>) -> Box<dyn EventDevice> {
-    device
+/// Seat with a screen; `None`: no screen, and the server makes no display of the scene.
+pub type Seat<'a> = Option<Screen<'a>>;
+
+/// Screen of a seat.
+#[derive(Clone, Copy)]
+pub struct Screen<'a> {
+    /// Name of the device that takes the place of the simulated operator; `None`: the operator performs.
+    pub device: Option<&'static str>,
+    /// Returns a device that shows what it exchanges.
+    pub take: &'a Taker<'a>,
+}
+
+/// Name of the device that performs a session.
+pub fn device(seat: Seat<'_>) -> &'static str {
+    seat.and_then(|screen| screen.device).unwrap_or("simulated")
 }
 
 /// Device in a seat, for a connected link.
@@ -37,5 +48,8 @@ pub fn taken(
         hello: link.hello(),
         exercise,
     };
-    seat(&begun, Box::new(device))
+    match seat {
+        Some(screen) => (screen.take)(&begun, Box::new(device)),
+        None => Box::new(device),
+    }
 }

@@ -95,6 +95,15 @@ impl Camera {
         (self.screen[1] + self.screen[2]) * 0.5
     }
 
+    /// Unit vectors of the picture: to the right, upwards, and towards the eye. A flipped output has a flipped right.
+    pub fn axes(&self) -> [Vector; 3] {
+        let [low, right_end, high] = self.screen;
+        let right = (right_end - low).normalize();
+        let up = (high - low).normalize();
+        let flip = if self.mirrored { -1.0 } else { 1.0 };
+        [right * flip, up, right.cross(&up)]
+    }
+
     /// The same camera turned about the middle of its glass: `turn` radians to the right, `tilt` radians upwards, with
     /// the distance of the eye and the size of the glass times `zoom`.
     pub fn orbited(&self, turn: f64, tilt: f64, zoom: f64) -> Self {
@@ -273,6 +282,19 @@ mod tests {
             (a.x + b.x).abs() < 1e-12 && (a.y - b.y).abs() < 1e-12 && (a.z - b.z).abs() < 1e-12
         );
         assert!(flipped.pass().turns && !plain.pass().turns);
+    }
+
+    #[test]
+    fn the_axes_move_a_point_as_the_picture_shows() {
+        let (plain, mut flipped) = (camera(), camera());
+        flipped.mirrored = true;
+        for camera in [plain, flipped] {
+            let [right, up, towards] = camera.axes();
+            let seen = |by: Vector| camera.pass().seen(&(camera.middle() + by)).expect("ahead");
+            let (start, depth) = (seen(Vector::zeros()), seen(towards));
+            assert!(seen(right).x > start.x + 1e-3 && seen(up).y > start.y + 1e-3);
+            assert!(depth.z < start.z - 1e-6, "nearer to the eye");
+        }
     }
 
     #[test]

@@ -45,7 +45,7 @@ impl Lamp {
     }
 
     /// Unit axis of the beam, and the horizontal unit vector across it.
-    pub(crate) fn axes(&self) -> [Vector; 2] {
+    pub fn axes(&self) -> [Vector; 2] {
         let beam = (self.towards - self.at).normalize();
         let aside = if beam.z.abs() > 0.999 {
             Vector::x()
@@ -56,13 +56,13 @@ impl Lamp {
     }
 
     /// Half width and half height of the patch as tangents of the beam's angles.
-    pub(crate) fn tangents(&self) -> [f64; 2] {
+    pub fn tangents(&self) -> [f64; 2] {
         let away = (self.towards - self.at).norm();
         PATCH_MM.map(|half| half / away)
     }
 
     /// Clip space of the shadow map from world.
-    pub(crate) fn shadows(&self) -> Matrix {
+    pub fn shadows(&self) -> Matrix {
         let up = if self.axes()[0].z.abs() > 0.999 {
             Vector::x()
         } else {

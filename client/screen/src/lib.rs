@@ -3,7 +3,8 @@
 //! - [`stage::Stage`] holds the meshes of a display scene, [`moment::Moment`] everything that moves at an instant,
 //!   [`camera::Camera`] the view. The module `gpu` draws them by a graphics adapter, hardware or software.
 //! - [`panel`] lays out gauges and texts, [`readings`] takes findings by keys and pedals, [`trainer`] is a lesson in
-//!   reading the bands of a probe. These modules draw nothing and know no window.
+//!   reading the bands of a probe. [`hand`] moves the tools without a force device. These modules draw nothing and know
+//!   no window.
 //!
 //! Lengths are millimetres, world axes: x anterior, y to the patient's left, z up.
 
@@ -15,6 +16,9 @@ pub mod error;
 pub mod eye;
 #[cfg(feature = "gpu")]
 pub mod gpu;
+pub mod hand;
+#[cfg(feature = "window")]
+mod input;
 pub mod lamp;
 pub mod material;
 pub mod mirror;

@@ -13,6 +13,10 @@ const REACH_MM: f32 = 10.0;
 const CELL_MM: f32 = 0.5;
 /// Distance of a ray's start from its surface, mm: out of the surface's own cells.
 const START_MM: f32 = 0.9;
+/// Number of steps within which a ray may leave the cells in which it begins.
+const LEAVES: usize = 3;
+/// Number of times that the shares are averaged with those of the neighbouring vertices.
+const SMOOTHED: usize = 3;
 /// Number of rays of a vertex.
 const RAYS: usize = 48;
 /// Largest number of cells along an edge of the grid.
@@ -46,6 +50,26 @@ pub(crate) fn bake(parts: &[Part], corners: &[u32], moving: &[Moving], still: &m
     });
 }
 
+/// Averages the open shares of neighbouring vertices: the cells of the grid would show as steps.
+pub(crate) fn smooth(corners: &[u32], still: &mut [Still]) {
+    for _ in 0..SMOOTHED {
+        let mut sums: Vec<(u32, u32)> = still
+            .iter()
+            .map(|still| (2 * u32::from(still.finish[3]), 2))
+            .collect();
+        for triangle in corners.chunks_exact(3) {
+            for k in 0..3 {
+                let other = u32::from(still[triangle[(k + 1) % 3] as usize].finish[3]);
+                let own = &mut sums[triangle[k] as usize];
+                *own = (own.0 + other, own.1 + 1);
+            }
+        }
+        for (still, (sum, count)) in still.iter_mut().zip(sums) {
+            still.finish[3] = (sum / count.max(1)) as u8;
+        }
+    }
+}
+
 /// Directions over the hemisphere of z, with a density that falls with the cosine: a spiral of equal steps.
 fn rays() -> [V; RAYS] {
     std::array::from_fn(|k| {
@@ -75,10 +99,10 @@ impl Grid {
         let (low, high) = used().fold((first, first), |(low, high), v| {
             (low.inf(&place(*v)), high.sup(&place(*v)))
         });
-        // The lowest surface lies in the middle of its cells: at their border its two sides would differ by a cell.
+        // Half a cell more: the outermost surfaces lie in the middle of their cells, and both sides of a gap agree.
         let low = low - V::repeat(1.5 * CELL_MM);
         let size = high - low;
-        let count: [usize; 3] = std::array::from_fn(|k| (size[k] / CELL_MM) as usize + 2);
+        let count: [usize; 3] = std::array::from_fn(|k| (size[k] / CELL_MM) as usize + 3);
         if count.iter().any(|n| *n > MOST) {
             // A scene larger than a head has no mouth to darken.
             return None;
@@ -126,10 +150,13 @@ impl Grid {
         let free = |ray: &V| {
             let along = u * ray.x + v * ray.y + normal * ray.z;
             let start = at + normal * START_MM;
-            let hit = (0..steps).find(|k| {
+            let is_filled = |k: &usize| {
                 let cell = self.cell(&(start + along * (*k as f32 * CELL_MM)));
                 cell.is_some_and(|cell| self.filled[cell])
-            });
+            };
+            // Beside a margin a ray begins in the cells of the other surface. A fringe of cells would be black.
+            let begin = (0..LEAVES).find(|k| !is_filled(k)).unwrap_or(0);
+            let hit = (begin..steps).find(is_filled);
             hit.map_or(1.0, |k| k as f32 / steps as f32)
         };
         rays.iter().map(free).sum::<f32>() / rays.len() as f32

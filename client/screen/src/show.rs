@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use sulcus_proto::display::{DisplayScene, SceneHash};
 
+use crate::hand::Shared;
 use crate::moment::Moment;
 use crate::panel::{Detail, PanelState};
 use crate::readings::Key;
@@ -22,6 +23,11 @@ pub trait Show {
 
     /// Takes an act of the person at the window.
     fn act(&mut self, act: Act);
+
+    /// Hands that mouse and keys move; `None` if a device moves them.
+    fn hands(&self) -> Option<Arc<Shared>> {
+        None
+    }
 
     /// Whether the session has ended and the window is to close.
     fn is_over(&self) -> bool;

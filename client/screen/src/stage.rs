@@ -139,6 +139,10 @@ impl Stage {
             &stage.moving,
             &mut stage.still,
         );
+        let end = stage.parts[..objects]
+            .last()
+            .map_or(0, |part| part.corners.end);
+        occlusion::smooth(&stage.corners[..end], &mut stage.still);
         stage
     }
 

@@ -8,14 +8,18 @@ use std::time::{Duration, Instant};
 
 use sulcus_proto::display::SceneHash;
 use winit::application::ApplicationHandler;
-use winit::event::{ElementState, MouseButton, MouseScrollDelta, WindowEvent};
+use winit::event::{
+    DeviceEvent, DeviceId, ElementState, MouseButton, MouseScrollDelta, WindowEvent,
+};
 use winit::event_loop::{ActiveEventLoop, ControlFlow, EventLoop};
 use winit::keyboard::{Key as WindowKey, NamedKey};
-use winit::window::{Fullscreen, Window, WindowId};
+use winit::window::{CursorGrabMode, Fullscreen, Window, WindowId};
 
 use crate::error::ScreenError;
 use crate::eye::Eye;
 use crate::gpu::{Drawing, Screen};
+use crate::hand::keys::Control;
+use crate::input::{HandsInput, of_button, of_key};
 use crate::panel::{Detail, layout};
 use crate::quality::{Governor, Quality};
 use crate::readings::Key;
@@ -78,7 +82,9 @@ pub fn run(show: Box<dyn Show>, settings: Settings) -> Result<Report, ScreenErro
     let _ = rustix::process::nice(5);
     let mut eye = Eye::new(settings.view);
     eye.mirrored = settings.mirrored;
+    let hands = show.hands().map(HandsInput::new);
     let mut application = Application {
+        hands,
         report: Report {
             adapter: String::new(),
             quality: Quality::Full,
@@ -91,6 +97,7 @@ pub fn run(show: Box<dyn Show>, settings: Settings) -> Result<Report, ScreenErro
         opened: None,
         drawn: None,
         has_panel: true,
+        is_grabbed: false,
         drag: None,
         cursor: [0.0; 2],
         next: Instant::now(),
@@ -115,9 +122,12 @@ struct Application {
     report: Report,
     eye: Eye,
     opened: Option<Opened>,
+    hands: Option<HandsInput>,
     /// Scene that is drawn.
     drawn: Option<SceneHash>,
     has_panel: bool,
+    /// Whether the mouse moves a tool.
+    is_grabbed: bool,
     /// Place of the cursor at the begin of a drag, pixels.
     drag: Option<[f64; 2]>,
     cursor: [f64; 2],
@@ -144,16 +154,31 @@ impl ApplicationHandler for Application {
                 }
             }
             WindowEvent::RedrawRequested => self.redraw(event_loop),
-            WindowEvent::KeyboardInput { event, .. } if event.state == ElementState::Pressed => {
-                self.key(&event.logical_key, event.repeat);
+            WindowEvent::KeyboardInput { event, .. } => {
+                let is_pressed = event.state == ElementState::Pressed;
+                let is_hands =
+                    of_key(event.physical_key).is_some_and(|key| self.control(key, is_pressed));
+                // The space bar is the clutch: it never confirms a finding by accident.
+                let is_clutch =
+                    self.hands.is_some() && event.logical_key == WindowKey::Named(NamedKey::Space);
+                if is_pressed && !is_hands && !is_clutch {
+                    self.key(&event.logical_key, event.repeat);
+                }
             }
-            WindowEvent::MouseInput {
-                state,
-                button: MouseButton::Left,
-                ..
-            } => {
+            WindowEvent::Focused(false) => {
+                if let Some(hands) = &mut self.hands {
+                    hands.let_go();
+                }
+                self.grab();
+            }
+            WindowEvent::MouseInput { state, button, .. } => {
+                let is_pressed = state == ElementState::Pressed;
+                if of_button(button).is_some_and(|button| self.control(button, is_pressed)) {
+                    return;
+                }
                 let ended = self.drag.take().is_some();
-                if state == ElementState::Pressed {
+                if button != MouseButton::Left {
+                } else if state == ElementState::Pressed {
                     self.drag = Some(self.cursor);
                 } else if ended {
                     self.came_to_rest();
@@ -167,13 +192,28 @@ impl ApplicationHandler for Application {
                 }
             }
             WindowEvent::MouseWheel { delta, .. } => {
-                self.eye.magnify(match delta {
+                let notches = match delta {
                     MouseScrollDelta::LineDelta(_, lines) => f64::from(lines),
                     MouseScrollDelta::PixelDelta(pixels) => pixels.y / 40.0,
-                });
-                self.came_to_rest();
+                };
+                if !self
+                    .hands
+                    .as_ref()
+                    .is_some_and(|hands| hands.wheel(notches))
+                {
+                    self.eye.magnify(notches);
+                    self.came_to_rest();
+                }
             }
             _ => {}
+        }
+    }
+
+    fn device_event(&mut self, _: &ActiveEventLoop, _: DeviceId, event: DeviceEvent) {
+        if let (DeviceEvent::MouseMotion { delta: (x, y) }, Some(hands)) = (event, &self.hands)
+            && self.is_grabbed
+        {
+            hands.mouse(x, y);
         }
     }
 
@@ -257,6 +297,9 @@ impl Application {
         let elapsed_s = self.last.elapsed().as_secs_f64();
         self.last = Instant::now();
         let camera = self.eye.camera(&scene, &moment, aspect, elapsed_s);
+        if let Some(hands) = &mut self.hands {
+            hands.look(&camera);
+        }
         let state = self.show.panel(detail(level));
         let scale = opened.window.scale_factor() as f32;
         let panel = self
@@ -283,6 +326,37 @@ impl Application {
         }
     }
 
+    /// Takes a press or a release for the hands. Returns whether it was theirs.
+    fn control(&mut self, control: Control, is_pressed: bool) -> bool {
+        let Some(hands) = &mut self.hands else {
+            return false;
+        };
+        let is_theirs = hands.control(control, is_pressed);
+        self.grab();
+        is_theirs
+    }
+
+    /// Holds the cursor while the mouse moves a tool: the edge of a screen must not stop a hand.
+    fn grab(&mut self) {
+        let wanted = self.hands.as_ref().is_some_and(|hands| !hands.is_open());
+        let Some(opened) = self.opened.as_ref().filter(|_| wanted != self.is_grabbed) else {
+            return;
+        };
+        let window = &opened.window;
+        let held = if wanted {
+            // Some systems know one kind only.
+            let locked = window.set_cursor_grab(CursorGrabMode::Locked);
+            locked.or_else(|_| window.set_cursor_grab(CursorGrabMode::Confined))
+        } else {
+            window.set_cursor_grab(CursorGrabMode::None)
+        };
+        if let Err(error) = held {
+            tracing::warn!("the cursor cannot be held: {error}");
+        }
+        window.set_cursor_visible(!wanted);
+        self.is_grabbed = wanted;
+    }
+
     fn key(&mut self, key: &WindowKey, is_repeat: bool) {
         if is_repeat {
             return;
@@ -296,7 +370,7 @@ impl Application {
                         .set_fullscreen(full.then_some(Fullscreen::Borderless(None)));
                 }
             }
-            WindowKey::Named(NamedKey::Tab) => {
+            WindowKey::Named(NamedKey::F7) => {
                 self.has_panel = !self.has_panel;
                 self.show.act(Act::Panel(self.has_panel));
             }

@@ -148,7 +148,8 @@ fn replayed(file: &Path, at_s: f64, steps: &Steps) -> anyhow::Result<(Display, M
         // The grid point at the time itself may be missing.
         follower.tick(output, workspace, output.tick + 20 >= last);
     };
-    let report = replay_observed(&recording, &options, &mut progress, &mut observe).with_context(context)?;
+    let report =
+        replay_observed(&recording, &options, &mut progress, &mut observe).with_context(context)?;
     bar.done();
     if let Some(tick) = report.first_divergent_tick {
         tell!("warning: the replay differs from tick {tick} on");

@@ -8,8 +8,8 @@ use sulcus_connection::display::{Cache, DisplayLink};
 use sulcus_connection::link::{LinkError, now_ns};
 use sulcus_core::math::norm;
 use sulcus_proto::control::Command;
-use sulcus_proto::datagram::WirePose;
 use sulcus_proto::display::{DisplayScene, SceneHash};
+use sulcus_screen::hand::Shared;
 use sulcus_screen::moment::{Moment, ToolAt};
 use sulcus_screen::panel::{
     Clock, Detail, Help, Link, Mode, PanelState, Recording, Status, ToolForce, Tour, Trace, Warning,
@@ -17,8 +17,9 @@ use sulcus_screen::panel::{
 use sulcus_screen::readings::{Heard, READING_CALLED, Readings, Site, Stop, Wrong};
 use sulcus_screen::show::{Act, Show};
 
-use super::Facts;
+use super::on_screen::{self, wire};
 use super::watched::Eyes;
+use super::{Facts, Seated};
 
 /// Time without a pass of the device's loop after which the link counts as lost, nanoseconds.
 const SILENT_NS: u64 = 1_000_000_000;
@@ -27,6 +28,7 @@ const SILENT_NS: u64 = 1_000_000_000;
 pub struct Live {
     facts: Facts,
     eyes: Eyes,
+    hands: Option<Arc<Shared>>,
     display: DisplayLink,
     over: Arc<AtomicBool>,
     readings: Option<Readings>,
@@ -42,7 +44,8 @@ impl Live {
     ///
     /// # Errors
     /// The system has no thread for the connection.
-    pub fn new(facts: Facts, eyes: Eyes, over: Arc<AtomicBool>) -> Result<Self, LinkError> {
+    pub fn new(seated: Seated, over: Arc<AtomicBool>) -> Result<Self, LinkError> {
+        let Seated { facts, eyes, hands } = seated;
         let display = DisplayLink::begin(&facts.config, Cache::in_default_folder())?;
         let stop = |(tooth, site): &(u8, &'static str)| {
             let site = Site::from_name(site)?;
@@ -62,6 +65,7 @@ impl Live {
             tick: 0,
             facts,
             eyes,
+            hands,
         })
     }
 
@@ -88,7 +92,8 @@ impl Live {
             _ => Link::Lost,
         };
         let mut warnings = Vec::new();
-        if self.facts.device == "simulated" {
+        // Neither device displays a force.
+        if ["simulated", on_screen::NAME].contains(&&*self.facts.device) {
             warnings.push(Warning::NoForce(self.facts.device.clone()));
         }
         if let Some(trouble) = self.display.trouble() {
@@ -132,12 +137,7 @@ impl Show for Live {
         // The link's own answers are newer than the feed.
         for (k, tool) in moment.tools.iter_mut().enumerate() {
             if let Some(pose) = glance.graphics[k].filter(|_| glance.held[k]) {
-                let q = pose.orientation;
-                let wire = WirePose {
-                    position: pose.position.map(|x| x as f32).into(),
-                    orientation: [q.w, q.i, q.j, q.k].map(|x| x as f32),
-                };
-                *tool = ToolAt::new(true, &wire);
+                *tool = ToolAt::new(true, &wire(&pose));
             }
         }
         let wiped = self.wiped;
@@ -222,6 +222,10 @@ impl Show for Live {
             Act::Wipe => self.wiped = self.tick,
             Act::View(_) | Act::Camera { .. } | Act::Panel(_) => {}
         }
+    }
+
+    fn hands(&self) -> Option<Arc<Shared>> {
+        self.hands.clone()
     }
 
     fn is_over(&self) -> bool {

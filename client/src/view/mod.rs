@@ -4,6 +4,7 @@
 //! person without waiting. A window that cannot open, or that is closed, ends nothing: the exercise and its force go on.
 
 mod live;
+mod on_screen;
 mod watched;
 
 use std::sync::Arc;
@@ -13,14 +14,16 @@ use std::sync::mpsc::{SyncSender, sync_channel};
 use anyhow::anyhow;
 use sulcus_connection::device::EventDevice;
 use sulcus_connection::link::LinkConfig;
-use sulcus_demo::seat::{Begun, Seat};
+use sulcus_demo::seat::{Begun, Screen, Seat};
 use sulcus_program::tell;
+use sulcus_screen::hand::Shared;
 use sulcus_screen::quality::Quality;
 use sulcus_screen::views::View;
 use sulcus_screen::window::{self, Report, Settings};
 
 use crate::cli::ViewArgs;
 use live::Live;
+use on_screen::OnScreen;
 use watched::{Eyes, Watched};
 
 /// Facts of a session that its window needs.
@@ -96,45 +99,72 @@ pub fn beside(
         has_real_time: sulcus_link::schedule::may_fifo(),
         mirrored: args.half_mirror,
     };
-    let (seat_in, seated) = sync_channel::<(Facts, Eyes)>(1);
+    let (seat_in, seated) = sync_channel::<Seated>(1);
+    let closed = Arc::new(AtomicBool::new(false));
     let over = Arc::new(AtomicBool::new(false));
     std::thread::scope(|scope| {
         let ended = over.clone();
+        let window_closed = closed.clone();
         let thread = std::thread::Builder::new()
             .name("sulcus-session".into())
             .spawn_scoped(scope, move || {
-                let seat =
-                    |begun: &Begun<'_>, device: Box<dyn EventDevice>| take(begun, device, &seat_in);
-                let result = session(&seat);
+                let closed = args.mouse.then_some(window_closed);
+                let take = |begun: &Begun<'_>, device: Box<dyn EventDevice>| {
+                    take(begun, device, closed.clone(), &seat_in)
+                };
+                let screen = Screen {
+                    device: args.mouse.then_some(on_screen::NAME),
+                    take: &take,
+                };
+                let result = session(Some(screen));
                 ended.store(true, Ordering::Release);
                 drop(seat_in);
                 result
             })?;
         // A session that never begins drops its end.
-        if let Ok((facts, eyes)) = seated.recv() {
-            match Live::new(facts, eyes, over.clone()) {
+        if let Ok(seated) = seated.recv() {
+            match Live::new(seated, over.clone()) {
                 Ok(live) => report(args, window::run(Box::new(live), settings), &over),
                 Err(error) => {
                     tell!("warning: no window: {error}; the exercise goes on without pictures")
                 }
             }
         }
+        // A person without a window holds no tool.
+        closed.store(true, Ordering::Release);
         thread
             .join()
             .map_err(|_| anyhow!("the thread of the session panicked"))?
     })
 }
 
-/// Puts a device behind a window's eyes.
+/// Session that has begun, for its window.
+pub(crate) struct Seated {
+    facts: Facts,
+    eyes: Eyes,
+    hands: Option<Arc<Shared>>,
+}
+
+/// Puts a device behind a window's eyes. With `closed` the person at the window takes the place of `device`.
 fn take(
     begun: &Begun<'_>,
     device: Box<dyn EventDevice>,
-    to: &SyncSender<(Facts, Eyes)>,
+    closed: Option<Arc<AtomicBool>>,
+    to: &SyncSender<Seated>,
 ) -> Box<dyn EventDevice> {
+    let (device, hands): (Box<dyn EventDevice>, _) = match closed {
+        None => (device, None),
+        Some(closed) => {
+            let zones = &begun.exercise.zones;
+            let force_n = (!zones.is_empty()).then_some(begun.exercise.probing.force_n[1]);
+            let (device, hands) = OnScreen::new(begun.hello, force_n, closed);
+            (Box::new(device), Some(hands))
+        }
+    };
     let facts = Facts::of(begun, &*device);
     let (watched, eyes) = Watched::new(device);
     // Refused after the first session of a process: the window belongs to that one.
-    let _ = to.try_send((facts, eyes));
+    let _ = to.try_send(Seated { facts, eyes, hands });
     Box::new(watched)
 }
 
@@ -146,13 +176,16 @@ fn report(
 ) {
     let goes_on = !over.load(Ordering::Acquire);
     match ended {
+        Err(error) if args.mouse => {
+            tell!("error: no window: {error}. The session ends, because the mouse needs one")
+        }
         Err(error) => tell!("warning: no window: {error}. The exercise goes on without pictures"),
         Ok(report) => {
             if let Some(why) = &report.failed {
                 tell!(
                     "warning: the window has ended: {why}. The exercise goes on without pictures"
                 );
-            } else if goes_on {
+            } else if goes_on && !args.mouse {
                 tell!("the window was closed; the exercise goes on");
             }
             if args.stats {

@@ -44,8 +44,14 @@ impl VirtualDisplay {
     }
 
     fn answers(&self) -> Result<bool, String> {
-        let asked = self.command(&["getmouselocation"]).stdout(Stdio::null()).stderr(Stdio::null()).status();
-        asked.map(|status| status.success()).map_err(|error| format!("xdotool: {error}"))
+        let asked = self
+            .command(&["getmouselocation"])
+            .stdout(Stdio::null())
+            .stderr(Stdio::null())
+            .status();
+        asked
+            .map(|status| status.success())
+            .map_err(|error| format!("xdotool: {error}"))
     }
 
     fn command(&self, arguments: &[&str]) -> Command {

@@ -16,7 +16,15 @@ const PATIENCE: Duration = Duration::from_secs(240);
 fn demo(folder: &std::path::Path) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_sulcus-client"));
     command
-        .args(["demo", "--exercise", "crown", "--duration", "12", "--json", "--recordings"])
+        .args([
+            "demo",
+            "--exercise",
+            "crown",
+            "--duration",
+            "12",
+            "--json",
+            "--recordings",
+        ])
         .arg(folder)
         .args(["--view", "--stats", "--quality", "low"])
         .env("XDG_CONFIG_HOME", folder)
@@ -33,7 +41,10 @@ fn demo(folder: &std::path::Path) -> Command {
 fn result(output: &Output) -> (Value, String) {
     let text = String::from_utf8_lossy(&output.stdout);
     let told = String::from_utf8_lossy(&output.stderr).into_owned();
-    let last = text.lines().last().unwrap_or_else(|| panic!("no output: {told}"));
+    let last = text
+        .lines()
+        .last()
+        .unwrap_or_else(|| panic!("no output: {told}"));
     (serde_json::from_str(last).expect("one object"), told)
 }
 
@@ -46,7 +57,10 @@ fn a_window_takes_keys_and_a_new_size_and_its_end_is_not_the_end_of_the_session(
         return;
     };
     let folder = tempfile::tempdir().expect("folder");
-    let child = demo(folder.path()).env("DISPLAY", screen.name()).spawn().expect("started");
+    let child = demo(folder.path())
+        .env("DISPLAY", screen.name())
+        .spawn()
+        .expect("started");
     let begin = Instant::now();
     let window = loop {
         if let Some(window) = screen.window("Sulcus") {
@@ -66,18 +80,27 @@ fn a_window_takes_keys_and_a_new_size_and_its_end_is_not_the_end_of_the_session(
     let output = child.wait_with_output().expect("ended");
     let (json, told) = result(&output);
     assert!(output.status.success(), "{told}");
-    assert!(told.contains("the window was closed; the exercise goes on"), "{told}");
+    assert!(
+        told.contains("the window was closed; the exercise goes on"),
+        "{told}"
+    );
     assert!(told.contains("frame age"), "{told}");
     assert_eq!(json["identical"], Value::Bool(true), "{json}");
     // The acts at the window are events of the recording.
     let events = json["events"].to_string();
-    assert!(json["ticks"].as_u64().expect("ticks") > 10_000, "{json} {events}");
+    assert!(
+        json["ticks"].as_u64().expect("ticks") > 10_000,
+        "{json} {events}"
+    );
 }
 
 #[test]
 fn without_a_display_the_exercise_goes_on_without_pictures() {
     let folder = tempfile::tempdir().expect("folder");
-    let output = demo(folder.path()).env_remove("DISPLAY").output().expect("ran");
+    let output = demo(folder.path())
+        .env_remove("DISPLAY")
+        .output()
+        .expect("ran");
     let (json, told) = result(&output);
     assert!(output.status.success(), "{told}");
     assert!(told.contains("no display was found"), "{told}");

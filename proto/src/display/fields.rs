@@ -34,7 +34,7 @@ fn seen_in_scene(scene: &DisplayScene) -> usize {
         let DisplayObject {
             kind: _, // visible
             fdi: _,  // visible
-            mesh,    // of a gingiva: teeth, neighbours and recession alone
+            mesh,    // of soft tissue: teeth, recession and inflammation alone
             skin,    // of the mesh alone
             sites,   // on the mesh
         } = object;

@@ -25,7 +25,9 @@ pub mod stream;
 
 pub use frame::{DisplayFrame, FrameTool, Moved, MovedHandle, STEP_M, Spot};
 pub use mesh::{DisplayMesh, Finish, Triangles};
-pub use scene::{DisplayBand, DisplayGlass, DisplayObject, DisplayScene, DisplayTool, Kind, SceneHash};
+pub use scene::{
+    DisplayBand, DisplayGlass, DisplayObject, DisplayScene, DisplayTool, Kind, SceneHash,
+};
 pub use skin::{Skin, WEIGHT};
 
 use crate::CodecError;

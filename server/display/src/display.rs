@@ -13,16 +13,19 @@ use sulcus_proto::display::{
     DisplayBand, DisplayGlass, DisplayMesh, DisplayObject, DisplayScene, DisplayTool, HANDLES,
     Kind, SceneHash, Skin,
 };
-use sulcus_scene::anatomy::mouth::{DrawnGingiva, drawn_gingivae, drawn_teeth};
+use sulcus_scene::anatomy::mouth::{DrawnGingiva, Sheet, drawn_teeth, sheet};
 
 use crate::clipped::Pocket;
 use crate::dress;
 use crate::glass::glass;
 use crate::handles::{self, Place};
+use crate::surface;
 
 /// Angles of the sites of a gingiva that is a mesh, degrees from mesial over buccal.
 const SITES_DEG: [f64; 6] = [35.0, 90.0, 145.0, 215.0, 270.0, 325.0];
-/// Number of sectors round a tooth in which the crest of a drawn gingiva is searched.
+/// Name of the object that supports the gingivae of a `[mouth]`.
+const JAW: &str = "jaw";
+/// Number of sectors round a tooth in which the crest of a printed gingiva is searched.
 const SECTORS: usize = 72;
 
 /// Scene of a display, with its bytes and the rule by which its handles follow the spheres.
@@ -50,12 +53,19 @@ impl Display {
     /// # Errors
     /// A mesh of the scene is beyond the limits of a display; the error names the rule.
     pub fn new(scene: &Scene) -> Result<Self, CodecError> {
-        let drawn = drawn_gingivae(scene);
+        let sheet = sheet(scene);
         let (mut objects, mut followers) = (Vec::new(), Vec::new());
         let teeth = drawn_teeth(scene);
         dress::prepare(&teeth);
-        for ((object, drawn), tooth) in scene.objects.iter().zip(drawn).zip(&teeth) {
-            let (mut shown, follower) = shown(scene, object, drawn)?;
+        for (k, (object, tooth)) in scene.objects.iter().zip(&teeth).enumerate() {
+            let of_sheet = match &sheet {
+                Some(sheet) => of_sheet(sheet, object, k)?,
+                None => None,
+            };
+            let (mut shown, follower) = match of_sheet {
+                Some(shown) => shown,
+                None => shown(scene, object)?,
+            };
             if shown.kind == Kind::Tooth {
                 shown.mesh = dress::tooth(shown.mesh, tooth.as_ref())?;
             }
@@ -138,12 +148,32 @@ fn on_grid(mesh: &sulcus_core::DisplayMesh) -> Result<DisplayMesh, CodecError> {
     )
 }
 
-/// Returns an object as shown, with its rule of motion.
-fn shown(
-    scene: &Scene,
+/// Returns object `k` if its shape is a part of the sheet of soft tissues.
+fn of_sheet(
+    sheet: &Sheet,
     object: &Object,
-    drawn: Option<DrawnGingiva>,
-) -> Result<(DisplayObject, Option<Follower>), CodecError> {
+    k: usize,
+) -> Result<Option<(DisplayObject, Option<Follower>)>, CodecError> {
+    if let (Some(drawn), TissueModel::Gingiva(model)) = (&sheet.gingivae[k], &object.tissue) {
+        return drawn_gingiva(object, &model.tooth, drawn).map(Some);
+    }
+    let piece = match &sheet.ridges[k] {
+        Some(ridge) => ridge,
+        None if object.name == JAW && object.tissue.is_rigid() => &sheet.rest,
+        None => return Ok(None),
+    };
+    let shown = DisplayObject {
+        kind: Kind::Mucosa,
+        fdi: object.fdi,
+        mesh: surface::piece(piece)?,
+        skin: None,
+        sites: Vec::new(),
+    };
+    Ok(Some((shown, None)))
+}
+
+/// Returns an object with its own shape, and its rule of motion.
+fn shown(scene: &Scene, object: &Object) -> Result<(DisplayObject, Option<Follower>), CodecError> {
     let plain = |kind, mesh| DisplayObject {
         kind,
         fdi: object.fdi,
@@ -153,10 +183,7 @@ fn shown(
     };
     match &object.tissue {
         TissueModel::Rigid => Ok((plain(kind_of_rigid(object), on_grid(&object.mesh)?), None)),
-        TissueModel::Gingiva(model) => match drawn {
-            Some(drawn) => drawn_gingiva(object, &model.tooth, &drawn),
-            None => mesh_gingiva(object, model),
-        },
+        TissueModel::Gingiva(model) => mesh_gingiva(object, model),
         TissueModel::PrintedGingiva(model) => {
             let tooth = &scene.objects[usize::from(model.tooth)];
             let frame = frame_of_printed(tooth, &model.axis);
@@ -168,12 +195,12 @@ fn shown(
             clipped(object, &pocket)
         }
         TissueModel::Surface(model) if model.masters.moving() <= HANDLES => {
-            let mut shown = plain(Kind::Tongue, on_grid(&object.mesh)?);
+            let mut shown = plain(Kind::Tongue, surface::tongue(&object.mesh)?);
             shown.skin = Some(skin_of_masters(object, model));
             Ok((shown, Some(Follower::Masters)))
         }
         _ => {
-            let mut shown = plain(Kind::Tongue, on_grid(&object.mesh)?);
+            let mut shown = plain(Kind::Tongue, surface::tongue(&object.mesh)?);
             let (skin, follower) = skin_of_spheres(object);
             shown.skin = Some(skin);
             Ok((shown, Some(follower)))
@@ -185,7 +212,7 @@ fn shown(
 fn kind_of_rigid(object: &Object) -> Kind {
     if object.fdi != 0 {
         Kind::Tooth
-    } else if object.name == "jaw" || object.name.starts_with("healed ridge ") {
+    } else if object.name == JAW || object.name.starts_with("healed ridge ") {
         Kind::Mucosa
     } else {
         Kind::Other
@@ -203,17 +230,22 @@ fn drawn_gingiva(
     tooth: &ToothFrame,
     drawn: &DrawnGingiva,
 ) -> Result<(DisplayObject, Option<Follower>), CodecError> {
-    let mesh = sulcus_core::DisplayMesh {
-        vertices: drawn.mesh.vertices.iter().map(f32s).collect(),
-        triangles: drawn.mesh.triangles.clone(),
-        colour: object.mesh.colour,
-        vertex_colours: Vec::new(),
+    // The compiled margin depends a little on the depth. The drawn one does not.
+    let turns = drawn.margin.len();
+    let margin = |around: f64| {
+        let turn = around / std::f64::consts::TAU;
+        drawn.margin[((turn - turn.floor()) * turns as f64) as usize % turns]
     };
-    // The compiled margin depends a little on the depth. The crest of the drawn mesh does not.
-    let crest = highest(tooth, &drawn.mesh.vertices);
-    let margin = |around: f64| crest[sector(around)];
     let sites = drawn.sites.iter().map(f32s).collect();
-    gingiva(object, tooth, &margin, &mesh, sites)
+    let vertices = &drawn.piece.mesh.vertices;
+    gingiva(
+        object,
+        tooth,
+        &margin,
+        vertices,
+        surface::piece(&drawn.piece)?,
+        sites,
+    )
 }
 
 fn mesh_gingiva(
@@ -235,7 +267,15 @@ fn clipped(
     let crest = pocket.crest(&places(&mesh));
     let site = |degrees: f64| f32s(&pocket.at_margin(&crest, degrees.to_radians()));
     let sites = SITES_DEG.map(site).to_vec();
-    gingiva(object, &pocket.tooth, pocket.margin, &mesh, sites)
+    let vertices = places(&mesh);
+    gingiva(
+        object,
+        &pocket.tooth,
+        pocket.margin,
+        &vertices,
+        on_grid(&mesh)?,
+        sites,
+    )
 }
 
 /// Returns a gingiva whose mesh follows handles near the margin.
@@ -243,11 +283,11 @@ fn gingiva(
     object: &Object,
     tooth: &ToothFrame,
     margin: &dyn Fn(f64) -> f64,
-    mesh: &sulcus_core::DisplayMesh,
+    vertices: &[Vec3],
+    mesh: DisplayMesh,
     sites: Vec<[f32; 3]>,
 ) -> Result<(DisplayObject, Option<Follower>), CodecError> {
-    let vertices = places(mesh);
-    let (chosen, spacing) = handles::choose(&vertices, |v| {
+    let (chosen, spacing) = handles::choose(vertices, |v| {
         let (around, height) = tooth.cylindrical(v);
         Place {
             below: margin(around) - height,
@@ -258,8 +298,8 @@ fn gingiva(
     let shown = DisplayObject {
         kind: Kind::Gingiva,
         fdi: object.fdi,
-        mesh: on_grid(mesh)?,
-        skin: Some(handles::skin(&vertices, &handles, spacing)),
+        mesh,
+        skin: Some(handles::skin(vertices, &handles, spacing)),
         sites,
     };
     Ok((shown, Some(over_spheres(object, &handles))))

@@ -5,7 +5,6 @@ use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 use std::time::Duration;
 
 use serde_json::{Value, json};
-use sulcus_display::Display;
 use sulcus_link::clock::unix_ns;
 use sulcus_proto::control::{Answer, Instruction};
 use sulcus_proto::station::Phase;
@@ -114,7 +113,7 @@ impl Desk {
         // A drawn patient is that of one session.
         ready.renews = prepared.seed.is_some() && plan.draws_its_patient();
         ready.cost = cost;
-        ready.display = Some(Arc::new(Display::new(&ready.scene)?));
+        ready.show()?;
         ready.validate()?;
         Ok(ready)
     }

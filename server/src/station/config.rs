@@ -121,6 +121,16 @@ impl SessionPlan {
         }
     }
 
+    /// Makes the display of the scene, so that screens can show the session. Takes some seconds for the first mouth of
+    /// a process.
+    ///
+    /// # Errors
+    /// A mesh of the scene is beyond the limits of a display.
+    pub fn show(&mut self) -> Result<(), sulcus_proto::CodecError> {
+        self.display = Some(Arc::new(Display::new(&self.scene)?));
+        Ok(())
+    }
+
     /// Checks all values.
     ///
     /// # Errors

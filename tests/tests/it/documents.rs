@@ -8,10 +8,16 @@ use sulcus_tests::Program;
 use crate::sources::root;
 
 /// Documents with commands.
-const DOCUMENTS: [&str; 8] = [
+const DOCUMENTS: [&str; 14] = [
     "README.md",
     "CONTRIBUTING.md",
     "client/README.md",
+    "client/screen/kit/README.md",
+    "client/screen/kit/consent.md",
+    "client/screen/kit/looks.md",
+    "client/screen/kit/protocol.md",
+    "client/screen/kit/sheet.md",
+    "client/screen/kit/tasks.md",
     "docker/README.md",
     "server/README.md",
     "server/lab/README.md",

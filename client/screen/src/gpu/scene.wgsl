@@ -142,11 +142,12 @@ fn lobe(n_h: f32, n_v: f32, n_l: f32, v_h: f32, roughness: f32, f0: f32) -> f32 
     return a2 / (3.14159 * d * d) * visible * fresnel * n_l;
 }
 
-// Room around the patient that steel reflects: dark mouth below, dim room above.
-fn room(along: vec3f) -> vec3f {
-    let up = smoothstep(-0.3, 0.7, along.z);
-    let side = 0.5 + 0.5 * smoothstep(-0.2, 0.2, sin(9.0 * along.x + 2.0 * along.z));
-    return mix(vec3f(0.05, 0.02, 0.018), vec3f(0.42, 0.44, 0.46) * side, up);
+// Room around the patient that steel reflects: near the mouth flesh below, elsewhere a dim floor, a bright room above.
+fn room(at: vec3f, along: vec3f) -> vec3f {
+    let up = smoothstep(-0.35, 0.75, along.z);
+    let side = 0.55 + 0.45 * smoothstep(-0.25, 0.25, sin(5.0 * along.x + 2.0 * along.y));
+    let below = mix(vec3f(0.07, 0.03, 0.027), vec3f(0.12, 0.125, 0.13), smoothstep(5.0, 40.0, at.z));
+    return mix(below, vec3f(0.62, 0.64, 0.66) * side, up);
 }
 
 fn shade(at: vec3f, smooth_normal: vec3f, bumped: vec3f, colour: vec3f, finish: vec4f, blood: f32, lit: f32) -> vec3f {
@@ -179,14 +180,17 @@ fn shade(at: vec3f, smooth_normal: vec3f, bumped: vec3f, colour: vec3f, finish: 
     if (is_metal) {
         let along = reflect(-v, bumped);
         let tint = albedo / max(max(albedo.r, max(albedo.g, albedo.b)), 0.001);
-        let dark = clamp(max(albedo.r, max(albedo.g, albedo.b)) * 2.2, 0.03, 1.0);
-        return dark * tint * (0.6 * room(along) + 2.2 * shine + 0.22 * key * max(dot(smooth_normal, l), 0.0) * roughness)
-            + 0.25 * shine;
+        // Black bands are matt paint on the steel.
+        let steel = clamp(max(albedo.r, max(albedo.g, albedo.b)) * 2.2, 0.03, 1.0);
+        let sheen = (key + 0.25) * max(dot(smooth_normal, l), 0.0) * roughness;
+        return steel * tint * (0.75 * room(at, along) + 2.2 * shine + 0.3 * sheen) + 0.25 * shine;
     }
+    // Surfaces that fade into the dark of the mouth have no film either.
+    let there = smoothstep(0.004, 0.05, max(albedo.r, max(albedo.g, albedo.b)));
     // Light through thin edges.
     let through = finish.z * 0.25 * pow(max(0.0, dot(v, -normalize(l + 0.2 * smooth_normal))), 6.0);
-    let film = room(reflect(-v, bumped)) * (f0 + (1.0 - f0) * pow(1.0 - n_v, 5.0)) * open * (1.0 - roughness) * 0.6;
-    return albedo * (diffuse * key + fill + through * key) + vec3f(3.2 * shine) + film;
+    let film = room(at, reflect(-v, bumped)) * (f0 + (1.0 - f0) * pow(1.0 - n_v, 5.0)) * open * (1.0 - roughness) * 0.6;
+    return albedo * (diffuse * key + fill + through * key) + (vec3f(3.2 * shine) + film) * there;
 }
 
 // Soft shoulder over 0.7.

@@ -1,6 +1,6 @@
 //! English.
 
-use super::{Findings, LessonWords, Refusals, StatusWords, Steps, Strings};
+use super::{Findings, HandWords, LessonWords, Refusals, StatusWords, Steps, Strings};
 
 /// English words.
 pub const ENGLISH: Strings = Strings {
@@ -88,6 +88,70 @@ pub const ENGLISH: Strings = Strings {
         leanings: [
             "Most wrong answers are too deep.",
             "Most wrong answers are too shallow.",
+        ],
+    },
+    hands: HandWords {
+        devices: ["mouse and keyboard", "3D mouse", "gamepad"],
+        no_feeling: "No force is felt here. The picture shows where the tool stops.",
+        clutch: [
+            "Clutch open: the tool rests, keys are findings",
+            "Clutch closed: the tool moves",
+        ],
+        controls: [
+            "W",
+            "S",
+            "A",
+            "D",
+            "Q",
+            "E",
+            "Arrow up",
+            "Arrow down",
+            "Arrow left",
+            "Arrow right",
+            "Page up",
+            "Page down",
+            "Shift",
+            "Space",
+            "Tab",
+            "Home",
+            "Insert",
+            "Mouse",
+            "Left button and mouse",
+            "Right button and mouse",
+            "Control and mouse",
+            "Wheel",
+            "Cap of a 3D mouse",
+            "First button of a 3D mouse",
+            "Second button of a 3D mouse",
+            "Sticks, triggers and shoulders of a gamepad",
+            "Lower button of a gamepad",
+            "Right button of a gamepad",
+            "Left button of a gamepad",
+            "Upper button of a gamepad",
+        ],
+        acts: [
+            "up",
+            "down",
+            "left",
+            "right",
+            "away from you",
+            "towards you",
+            "tip away from you",
+            "tip towards you",
+            "turn left",
+            "turn right",
+            "roll left",
+            "roll right",
+            "a quarter of the speed",
+            "open or close the clutch",
+            "other hand",
+            "way back to the start",
+            "take up or lay down the tool",
+            "move in the picture",
+            "move away and towards you",
+            "tip and turn",
+            "roll",
+            "all motions at once",
         ],
     },
 };

@@ -9,6 +9,8 @@ mod english;
 
 pub use english::ENGLISH;
 
+use crate::hand::keys::{Act, Control};
+
 /// Words of a language.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Strings {
@@ -46,6 +48,23 @@ pub struct Strings {
     pub status: StatusWords,
     /// Band trainer.
     pub lesson: LessonWords,
+    /// Hands without a force device.
+    pub hands: HandWords,
+}
+
+/// Words of hands without a force device.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct HandWords {
+    /// Names of the devices: mouse and keyboard, 3D mouse, gamepad.
+    pub devices: [&'static str; 3],
+    /// Sentence that says what is missing.
+    pub no_feeling: &'static str,
+    /// State of the clutch: open, closed.
+    pub clutch: [&'static str; 2],
+    /// Controls, in the order of [`crate::hand::keys::Control::ALL`].
+    pub controls: [&'static str; Control::ALL.len()],
+    /// Acts, in the order of [`crate::hand::keys::Act::ALL`].
+    pub acts: [&'static str; Act::ALL.len()],
 }
 
 /// Words of the band trainer.

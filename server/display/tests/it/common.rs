@@ -44,7 +44,7 @@ pub fn compiled_text(text: &str, file: &Path) -> Scene {
         .scene
 }
 
-/// Returns a patient who looks like `seen`, with other hidden values from numbers of 0 to 1. `None`: the mouth has no
+/// Returns a patient who looks like `seen`, margins and inflammation included, with other hidden values from numbers of 0 to 1. `None`: the mouth has no
 /// room for them.
 pub fn disguised(seen: &Patient, hidden: &[f64]) -> Option<Patient> {
     let mut numbers = hidden.iter().cycle().copied();
@@ -76,7 +76,6 @@ fn disguised_tooth(seen: &ToothChart, next: &mut impl FnMut() -> f64) -> ToothCh
     let mut chart = ToothChart {
         depth_mm: Sides::from_round(depths),
         bleeding: Sides::from_round([(); 6].map(|()| next() < 0.5)),
-        inflammation: (next() * 8.0).round() / 10.0,
         mobility: (next() * 3.0) as u8,
         ..seen.clone()
     };

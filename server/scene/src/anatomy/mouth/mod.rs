@@ -6,10 +6,10 @@
 //! A gingiva is laid out anew for each patient ([`crate::anatomy::collar`]), round its tooth and up to the planes
 //! between neighbours.
 
-mod drawn;
 mod drawn_teeth;
 mod faces;
 mod packed_tissue;
+mod sheet;
 mod standing;
 
 use std::path::Path;
@@ -22,9 +22,9 @@ use crate::anatomy::tooth::Furcation;
 use crate::file::{Condition, MouthEntry};
 use crate::hand_written::FileError;
 
-pub use drawn::{DEPTH_MM, DrawnGingiva, drawn_gingivae};
 pub use drawn_teeth::{DrawnTooth, drawn_teeth};
 pub(crate) use packed_tissue::{placed_gingiva, placed_mesh};
+pub use sheet::{DrawnGingiva, Mark, Part, Piece, Sheet, sheet};
 pub use standing::JAW_TOP;
 pub(crate) use standing::{Standing, standing};
 
