@@ -8,6 +8,7 @@
 //!
 //! Lengths are millimetres, world axes: x anterior, y to the patient's left, z up.
 
+mod ball;
 mod blood;
 pub mod camera;
 mod coarse;

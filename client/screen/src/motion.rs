@@ -5,6 +5,7 @@ use std::ops::Range;
 use nalgebra::Vector3;
 use sulcus_proto::display::Moved;
 
+use crate::ball::Ball;
 use crate::blood;
 use crate::moment::Moment;
 use crate::stage::{MM, Stage};
@@ -29,6 +30,9 @@ impl Stage {
             }
         }
         changed.sort_unstable();
+        for k in &changed {
+            self.balls[*k] = Ball::around(&self.moving[self.parts[*k].vertices.clone()]);
+        }
         let touched = self
             .normals
             .update(&changed, &self.parts, &self.corners, &mut self.moving);

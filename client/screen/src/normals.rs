@@ -45,8 +45,8 @@ impl Normals {
         }
     }
 
-    /// Writes the normals of changed parts, given by their numbers, and of vertices that share a normal with them. Returns
-    /// the numbers of all parts with such vertices, in ascending order.
+    /// Writes the normals of changed parts, given by their numbers, and of vertices that share a normal with them.
+    /// Returns the numbers of all parts with such vertices, in ascending order.
     pub fn update(
         &mut self,
         changed: &[usize],

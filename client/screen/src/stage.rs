@@ -8,6 +8,7 @@ use std::ops::Range;
 use nalgebra::Vector3;
 use sulcus_proto::display::{DisplayGlass, DisplayMesh, DisplayScene, Finish, Kind, Skin};
 
+use crate::ball::Ball;
 use crate::coarse;
 use crate::material::Material;
 use crate::normals::Normals;
@@ -79,6 +80,8 @@ pub struct Stage {
     /// Six sites of bleeding by object, mm.
     pub(crate) sites: Vec<Vec<[f32; 3]>>,
     pub(crate) normals: Normals,
+    /// Ball around the present places of each part.
+    pub(crate) balls: Vec<Ball>,
     /// Objects that are not at rest.
     pub(crate) displaced: Vec<u16>,
     /// Whether any vertex has blood.
@@ -98,6 +101,7 @@ impl Stage {
             skins: Vec::new(),
             sites: Vec::new(),
             normals: Normals::default(),
+            balls: Vec::new(),
             displaced: Vec::new(),
             is_bloody: false,
         };
@@ -124,6 +128,8 @@ impl Stage {
         }
         stage.normals = Normals::new(&stage.parts, &stage.moving);
         let all: Vec<usize> = (0..stage.parts.len()).collect();
+        let around = |part: &Part| Ball::around(&stage.moving[part.vertices.clone()]);
+        stage.balls = stage.parts.iter().map(around).collect();
         stage
             .normals
             .update(&all, &stage.parts, &stage.corners, &mut stage.moving);

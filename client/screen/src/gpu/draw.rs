@@ -12,7 +12,7 @@ use super::pipelines::{Layouts, Pipelines};
 use super::read_back::{self, Image};
 use super::targets::{REFLECTION, Reflection, Targets, shadow_map, texture, view};
 use super::uniforms::{GlassBlock, PartBlock, PassBlock, STRIDE, columns, window};
-use crate::camera::{Camera, PassCamera};
+use crate::camera::{Camera, Matrix, PassCamera};
 use crate::error::ScreenError;
 use crate::lamp::Lamp;
 use crate::mirror::{Disc, Window, reflected};
@@ -303,7 +303,7 @@ impl Renderer {
         if self.looks.shadow > 0 {
             let mut pass = begin(&mut encoder, None, &self.shadows, DARK);
             pass.set_pipeline(&self.pipelines.shadow);
-            self.meshes(&mut pass, 1, 0, moment, None);
+            self.meshes(&mut pass, 1, 0, moment, None, &drawing.lamp.shadows());
         }
         for (k, seen) in seen.iter().enumerate() {
             let Some(seen) = seen else { continue };
@@ -317,7 +317,7 @@ impl Renderer {
             let [w, h] = seen.used.map(|n| n as f32);
             pass.set_viewport(0.0, 0.0, w, h, 0.0, 1.0);
             pass.set_pipeline(&self.pipelines.reflected[usize::from(seen.pass.turns)]);
-            self.meshes(&mut pass, 0, 1 + k, moment, Some(k));
+            self.meshes(&mut pass, 0, 1 + k, moment, Some(k), &seen.pass.matrix());
         }
         if let Some(targets) = &self.targets {
             let colour = match &targets.samples {
@@ -326,7 +326,7 @@ impl Renderer {
             };
             let mut pass = begin(&mut encoder, Some(colour), &targets.depth, DARK);
             pass.set_pipeline(&self.pipelines.meshes[usize::from(main.turns)]);
-            self.meshes(&mut pass, 0, 0, moment, None);
+            self.meshes(&mut pass, 0, 0, moment, None, &main.matrix());
             pass.set_pipeline(&self.pipelines.glass);
             for (k, glass) in self.stage.glasses.iter().enumerate().take(GLASSES) {
                 if glass.is_some() && moment.tools[k].held {
@@ -372,10 +372,7 @@ impl Renderer {
         let block = |camera: &PassCamera| PassBlock::new(camera, &drawing.lamp, &self.looks);
         queue.write_buffer(&self.passes, 0, bytemuck::bytes_of(&block(main)));
         for (k, part) in self.stage.parts.iter().enumerate() {
-            let world = match part.owner {
-                Owner::Object(_) => Matrix4::identity(),
-                Owner::Tool(tool) => moment.tools[usize::from(tool)].matrix(),
-            };
+            let world = world(part.owner, moment);
             let identity = Self::identity(part.owner).map(|c| f32::from(c) / 255.0);
             let block = PartBlock::new(&world, part.material, identity);
             queue.write_buffer(&self.parts, STRIDE * k as u64, bytemuck::bytes_of(&block));
@@ -412,7 +409,7 @@ impl Renderer {
         }
     }
 
-    /// Draws all parts but the tool `without`. Tools that no hand holds are not drawn.
+    /// Draws all parts within the clip space `clip` but the tool `without`. Tools that no hand holds are not drawn.
     fn meshes(
         &self,
         pass: &mut RenderPass<'_>,
@@ -420,12 +417,14 @@ impl Renderer {
         block: usize,
         moment: &Moment,
         without: Option<usize>,
+        clip: &Matrix,
     ) {
         pass.set_bind_group(0, &self.pass_groups[group], &[offset(block)]);
         pass.set_vertex_buffer(0, self.buffers.still.slice(..));
         pass.set_vertex_buffer(1, self.buffers.moving.slice(..));
         pass.set_index_buffer(self.buffers.corners.slice(..), wgpu::IndexFormat::Uint32);
-        for (k, part) in self.stage.parts.iter().enumerate() {
+        let parts = self.stage.parts.iter().zip(&self.stage.balls);
+        for (k, (part, ball)) in parts.enumerate() {
             let is_drawn = match part.owner {
                 Owner::Object(_) => true,
                 Owner::Tool(tool) => {
@@ -433,11 +432,20 @@ impl Renderer {
                     moment.tools[tool].held && without != Some(tool)
                 }
             };
-            if is_drawn && !part.corners.is_empty() {
+            let is_seen = || ball.is_seen(&world(part.owner, moment), clip);
+            if is_drawn && !part.corners.is_empty() && is_seen() {
                 pass.set_bind_group(1, &self.part_group, &[offset(k)]);
                 pass.draw_indexed(part.corners.start as u32..part.corners.end as u32, 0, 0..1);
             }
         }
+    }
+}
+
+/// World from the axes of a part.
+fn world(owner: Owner, moment: &Moment) -> Matrix4<f32> {
+    match owner {
+        Owner::Object(_) => Matrix4::identity(),
+        Owner::Tool(tool) => moment.tools[usize::from(tool)].matrix(),
     }
 }
 

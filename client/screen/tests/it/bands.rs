@@ -17,7 +17,6 @@ const DEPTHS: usize = 20;
 const ERROR_MM: f64 = 0.5;
 /// End of the last dark band, mm from the tip; bands of one length begin at the tip with a light one.
 const LAST_MM: f64 = 14.0;
-
 /// Least difference of brightness between a dark and a light band, 255ths; shading of steel alone stays below.
 const LEAST_CONTRAST: f64 = 70.0;
 
