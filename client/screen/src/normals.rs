@@ -45,6 +45,11 @@ impl Normals {
         }
     }
 
+    /// Groups of vertices in one place.
+    pub fn groups(&self) -> &[Vec<u32>] {
+        &self.groups
+    }
+
     /// Writes the normals of changed parts, given by their numbers, and of vertices that share a normal with them.
     /// Returns the numbers of all parts with such vertices, in ascending order.
     pub fn update(

@@ -51,7 +51,8 @@ pub(crate) fn bake(parts: &[Part], corners: &[u32], moving: &[Moving], still: &m
 }
 
 /// Averages the open shares of neighbouring vertices: the cells of the grid would show as steps.
-pub(crate) fn smooth(corners: &[u32], still: &mut [Still]) {
+/// Vertices of one group lie in one place and keep one share.
+pub(crate) fn smooth(corners: &[u32], groups: &[Vec<u32>], still: &mut [Still]) {
     for _ in 0..SMOOTHED {
         let mut sums: Vec<(u32, u32)> = still
             .iter()
@@ -62,6 +63,13 @@ pub(crate) fn smooth(corners: &[u32], still: &mut [Still]) {
                 let other = u32::from(still[triangle[(k + 1) % 3] as usize].finish[3]);
                 let own = &mut sums[triangle[k] as usize];
                 *own = (own.0 + other, own.1 + 1);
+            }
+        }
+        for group in groups {
+            let members = group.iter().map(|v| sums[*v as usize]);
+            let whole = members.fold((0, 0), |(a, b), (sum, count)| (a + sum, b + count));
+            for v in group {
+                sums[*v as usize] = whole;
             }
         }
         for (still, (sum, count)) in still.iter_mut().zip(sums) {

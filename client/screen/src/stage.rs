@@ -142,7 +142,11 @@ impl Stage {
         let end = stage.parts[..objects]
             .last()
             .map_or(0, |part| part.corners.end);
-        occlusion::smooth(&stage.corners[..end], &mut stage.still);
+        occlusion::smooth(
+            &stage.corners[..end],
+            stage.normals.groups(),
+            &mut stage.still,
+        );
         stage
     }
 
