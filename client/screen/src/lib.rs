@@ -26,6 +26,7 @@ pub mod moment;
 mod motion;
 mod normals;
 mod occlusion;
+mod order;
 pub mod panel;
 pub mod quality;
 pub mod readings;

@@ -3,7 +3,7 @@
 use sulcus_proto::display::{Finish, Kind};
 
 /// Material of a part.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Material {
     /// Mucosa: gingiva, cheek, floor of the mouth.
     Flesh,

@@ -13,6 +13,7 @@ use crate::coarse;
 use crate::material::Material;
 use crate::normals::Normals;
 use crate::occlusion;
+use crate::order;
 
 /// Millimetres in a metre.
 pub(crate) const MM: f32 = 1e3;
@@ -105,22 +106,23 @@ impl Stage {
             displaced: Vec::new(),
             is_bloody: false,
         };
-        for (k, object) in (0..).zip(&scene.objects) {
+        stage.skins.resize_with(scene.objects.len(), || None);
+        stage.sites.resize_with(scene.objects.len(), Vec::new);
+        // Parts of one material lie side by side: one draw serves several.
+        let mut order: Vec<usize> = (0..scene.objects.len()).collect();
+        order.sort_by_key(|k| Material::of(scene.objects[*k].kind));
+        for k in order {
+            let object = &scene.objects[k];
             let cell = if object.kind == Kind::Other {
                 0
             } else {
                 merged_um
             };
-            let kept = stage.push(
-                Owner::Object(k),
-                Material::of(object.kind),
-                &object.mesh,
-                cell,
-            );
-            let skin = object.skin.clone().map(|skin| (skin, kept));
-            stage.skins.push(skin);
+            let owner = Owner::Object(k as u16);
+            let kept = stage.push(owner, Material::of(object.kind), &object.mesh, cell);
+            stage.skins[k] = object.skin.clone().map(|skin| (skin, kept));
             let mm = |at: &[f32; 3]| at.map(|x| x * MM);
-            stage.sites.push(object.sites.iter().map(mm).collect());
+            stage.sites[k] = object.sites.iter().map(mm).collect();
         }
         let objects = stage.parts.len();
         for (k, tool) in (0..).zip(&scene.tools) {
@@ -160,7 +162,8 @@ impl Stage {
     ) -> Vec<u32> {
         let first = self.still.len();
         let places: Vec<[f32; 3]> = mesh.vertices().map(|at| at.map(|x| x * MM)).collect();
-        let triangles: Vec<[u32; 3]> = mesh.triangles().collect();
+        let mut triangles: Vec<[u32; 3]> = mesh.triangles().collect();
+        order::sort(&places, &mut triangles);
         let (kept, triangles) = coarse::merged(&places, triangles, cell_um);
         for v in &kept {
             let v = *v as usize;

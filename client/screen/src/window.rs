@@ -60,6 +60,8 @@ pub struct Report {
 /// Frames of a second without a known refresh rate, and the most of a software adapter without real-time priority.
 const USUAL_HZ: f64 = 60.0;
 const CAPPED_HZ: f64 = 30.0;
+/// Age of a state that no longer counts as live, seconds.
+const STALE_S: f64 = 1.0;
 /// Keys of the views, in the order of [`View::ALL`].
 const VIEW_KEYS: [NamedKey; 6] = [
     NamedKey::F1,
@@ -312,9 +314,11 @@ impl Application {
         opened.window.pre_present_notify();
         opened.screen.present(target);
         let took = begin.elapsed();
-        self.report
-            .times
-            .frame(age_s + took.as_secs_f64(), took.as_secs_f64());
+        // Before its first and after its last pass a session has no new state.
+        if age_s < STALE_S {
+            let times = &mut self.report.times;
+            times.frame(age_s + took.as_secs_f64(), took.as_secs_f64());
+        }
         self.report.adapter = opened.screen.graphics().name();
         let budget = opened.period.as_secs_f64();
         if let Some(level) = opened.governor.frame(took.as_secs_f64(), budget) {

@@ -107,6 +107,8 @@ pub struct Renderer {
     panel: PanelDrawer,
     /// Background of a reflection.
     behind: wgpu::Color,
+    /// Whether pictures are lit, not flat.
+    is_lit: bool,
 }
 
 impl Renderer {
@@ -168,6 +170,7 @@ impl Renderer {
         let panel = PanelDrawer::new(device, format);
         Self {
             panel,
+            is_lit: mode == Mode::Beauty,
             behind: if mode == Mode::Identity { DARK } else { ROOM },
             format,
             looks,
@@ -370,17 +373,20 @@ impl Renderer {
     ) {
         let queue = &self.graphics.queue;
         let block = |camera: &PassCamera| PassBlock::new(camera, &drawing.lamp, &self.looks);
-        queue.write_buffer(&self.passes, 0, bytemuck::bytes_of(&block(main)));
+        // Each write is a copy of its own for the adapter: all blocks of a kind go together.
+        let mut passes = Blocks::default();
+        passes.put(0, &block(main));
+        let mut parts = Blocks::default();
         for (k, part) in self.stage.parts.iter().enumerate() {
             let world = world(part.owner, moment);
             let identity = Self::identity(part.owner).map(|c| f32::from(c) / 255.0);
             let block = PartBlock::new(&world, part.material, identity);
-            queue.write_buffer(&self.parts, STRIDE * k as u64, bytemuck::bytes_of(&block));
+            parts.put(k, &block);
         }
+        let mut glasses = Blocks::default();
         for (k, seen) in seen.iter().enumerate() {
             if let Some(seen) = seen {
-                let offset = STRIDE * (1 + k as u64);
-                queue.write_buffer(&self.passes, offset, bytemuck::bytes_of(&block(&seen.pass)));
+                passes.put(1 + k, &block(&seen.pass));
             }
             let Some(Some(glass)) = self.stage.glasses.get(k) else {
                 continue;
@@ -405,7 +411,15 @@ impl Renderer {
                 ],
                 used: [u, v, 0.0, 0.0],
             };
-            queue.write_buffer(&self.glasses, STRIDE * k as u64, bytemuck::bytes_of(&block));
+            glasses.put(k, &block);
+        }
+        let all = [
+            (&self.passes, passes),
+            (&self.parts, parts),
+            (&self.glasses, glasses),
+        ];
+        for (buffer, blocks) in all.into_iter().filter(|(_, blocks)| !blocks.0.is_empty()) {
+            queue.write_buffer(buffer, 0, &blocks.0);
         }
     }
 
@@ -423,6 +437,8 @@ impl Renderer {
         pass.set_vertex_buffer(0, self.buffers.still.slice(..));
         pass.set_vertex_buffer(1, self.buffers.moving.slice(..));
         pass.set_index_buffer(self.buffers.corners.slice(..), wgpu::IndexFormat::Uint32);
+        // Draw of several parts: number of its first part, and its corners.
+        let mut together: Option<(usize, std::ops::Range<u32>)> = None;
         let parts = self.stage.parts.iter().zip(&self.stage.balls);
         for (k, (part, ball)) in parts.enumerate() {
             let is_drawn = match part.owner {
@@ -434,10 +450,35 @@ impl Renderer {
             };
             let is_seen = || ball.is_seen(&world(part.owner, moment), clip);
             if is_drawn && !part.corners.is_empty() && is_seen() {
-                pass.set_bind_group(1, &self.part_group, &[offset(k)]);
-                pass.draw_indexed(part.corners.start as u32..part.corners.end as u32, 0, 0..1);
+                let own = part.corners.start as u32..part.corners.end as u32;
+                match &mut together {
+                    Some((first, corners))
+                        if corners.end == own.start && self.is_alike(*first, k) =>
+                    {
+                        corners.end = own.end;
+                    }
+                    together => {
+                        if let Some((first, corners)) = together.replace((k, own)) {
+                            pass.set_bind_group(1, &self.part_group, &[offset(first)]);
+                            pass.draw_indexed(corners, 0, 0..1);
+                        }
+                    }
+                }
             }
         }
+        if let Some((first, corners)) = together {
+            pass.set_bind_group(1, &self.part_group, &[offset(first)]);
+            pass.draw_indexed(corners, 0, 0..1);
+        }
+    }
+
+    /// Whether two parts have the same constants: objects of one material in a lit picture.
+    fn is_alike(&self, a: usize, b: usize) -> bool {
+        let (a, b) = (&self.stage.parts[a], &self.stage.parts[b]);
+        let are_objects = [a, b]
+            .iter()
+            .all(|part| matches!(part.owner, Owner::Object(_)));
+        self.is_lit && are_objects && a.material == b.material
     }
 }
 
@@ -446,6 +487,19 @@ fn world(owner: Owner, moment: &Moment) -> Matrix4<f32> {
     match owner {
         Owner::Object(_) => Matrix4::identity(),
         Owner::Tool(tool) => moment.tools[usize::from(tool)].matrix(),
+    }
+}
+
+/// Blocks of constants, one every [`STRIDE`] bytes.
+#[derive(Default)]
+struct Blocks(Vec<u8>);
+
+impl Blocks {
+    fn put<T: bytemuck::Pod>(&mut self, number: usize, block: &T) {
+        let bytes = bytemuck::bytes_of(block);
+        let begin = STRIDE as usize * number;
+        self.0.resize(begin + STRIDE as usize, 0);
+        self.0[begin..begin + bytes.len()].copy_from_slice(bytes);
     }
 }
 

@@ -49,8 +49,16 @@ struct Lit {
     @location(5) blood: f32,
 };
 
+// Linear light of sRGB, to a hundredth, without powers: a processor without graphics pays for each.
 fn linear(c: vec3f) -> vec3f {
-    return pow(c, vec3f(2.2));
+    return c * (c * (c * 0.3053 + 0.6822) + 0.0125);
+}
+
+// (1 - x)^5, Schlick's term.
+fn fifth(x: f32) -> f32 {
+    let y = 1.0 - x;
+    let y2 = y * y;
+    return y2 * y2 * y;
 }
 
 fn hash(p: vec3f) -> f32 {
@@ -137,7 +145,7 @@ fn lobe(n_h: f32, n_v: f32, n_l: f32, v_h: f32, roughness: f32, f0: f32) -> f32 
     let alpha = roughness * roughness + 0.05;
     let a2 = alpha * alpha;
     let d = n_h * n_h * (a2 - 1.0) + 1.0;
-    let fresnel = f0 + (1.0 - f0) * pow(1.0 - v_h, 5.0);
+    let fresnel = f0 + (1.0 - f0) * fifth(v_h);
     let visible = 0.5 / max(mix(2.0 * n_l * n_v, n_l + n_v, alpha), 0.01);
     return a2 / (3.14159 * d * d) * visible * fresnel * n_l;
 }
@@ -188,15 +196,17 @@ fn shade(at: vec3f, smooth_normal: vec3f, bumped: vec3f, colour: vec3f, finish: 
     // Surfaces that fade into the dark of the mouth have no film either.
     let there = smoothstep(0.004, 0.05, max(albedo.r, max(albedo.g, albedo.b)));
     // Light through thin edges.
-    let through = finish.z * 0.25 * pow(max(0.0, dot(v, -normalize(l + 0.2 * smooth_normal))), 6.0);
-    let film = room(at, reflect(-v, bumped)) * (f0 + (1.0 - f0) * pow(1.0 - n_v, 5.0)) * open * (1.0 - roughness) * 0.6;
+    let against = max(0.0, dot(v, -normalize(l + 0.2 * smooth_normal)));
+    let through = finish.z * 0.25 * against * against * against * against * against * against;
+    let film = room(at, reflect(-v, bumped)) * (f0 + (1.0 - f0) * fifth(n_v)) * open * (1.0 - roughness) * 0.6;
     return albedo * (diffuse * key + fill + through * key) + (vec3f(3.2 * shine) + film) * there;
 }
 
 // Soft shoulder over 0.7.
 fn develop(light: vec3f) -> vec3f {
     let c = light * pass_.looks.y;
-    let high = vec3f(0.7) + 0.3 * (1.0 - exp(-(c - 0.7) / 0.3));
+    let over = max(c - 0.7, vec3f(0.0));
+    let high = 0.7 + over * 0.3 / (0.3 + over);
     return select(c, high, c > vec3f(0.7));
 }
 
