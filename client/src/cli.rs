@@ -51,8 +51,8 @@ pub enum Command {
     /// Run simulated hands on many stations at once, and measure the load of the machine
     #[command(after_long_help = EXAMPLES)]
     Swarm(SwarmArgs),
-    /// Draw an instant of an exercise or of a recording, or a scene at rest, into a PNG file, without a display. Needs a build with
-    /// `--features view`
+    /// Draw an instant of an exercise or of a recording, or a scene at rest, into a PNG file, without a display. Needs
+    /// a build with `--features view`
     #[command(after_long_help = EXAMPLES)]
     Picture(PictureArgs),
 }
@@ -149,9 +149,9 @@ pub struct WithView<A: Args> {
 /// Arguments of a window.
 #[derive(Clone, Debug, Args)]
 pub struct ViewArgs {
-    /// Show the session in a window. Needs a build with `--features view`. Keys: F1 to F6 choose the view, a drag turns,
-    /// the wheel magnifies, Home resets, F7 hides the panel, Escape pauses, w wipes blood away, F11 is full screen.
-    /// Findings: digits, b, s, r, f, u, Return
+    /// Show the session in a window. Needs a build with `--features view`. Keys: F1 to F6 choose the view, a drag
+    /// turns, the wheel magnifies, Home resets, F7 hides the panel, Escape pauses, w wipes blood away, F11 is full
+    /// screen. Findings: digits, b, s, r, f, u, Return
     #[arg(long)]
     pub view: bool,
     /// First view of the window: overview, front, buccal, lingual, mirror, close-up
@@ -166,8 +166,8 @@ pub struct ViewArgs {
     /// take too long
     #[arg(long, value_name = "NAME", requires = "view")]
     pub quality: Option<String>,
-    /// Move the tools with mouse and keyboard, or a 3D mouse of spacenavd, instead of the simulated operator. There is no
-    /// force. The space bar takes the tool and holds it still again; closing the window ends the session
+    /// Move the tools with mouse and keyboard, or a 3D mouse of spacenavd, instead of the simulated operator. There is
+    /// no force. The space bar takes the tool and holds it still again; closing the window ends the session
     #[arg(long, requires = "view")]
     pub mouse: bool,
     /// Flip the window left to right, for a screen that is seen in a half mirror

@@ -30,7 +30,7 @@ pub fn run(args: &RunArgs) -> anyhow::Result<u8> {
 /// The same with the device in a seat.
 ///
 /// # Errors
-/// As for [`run`].
+/// The errors of [`run`].
 pub fn run_at(args: &RunArgs, seat: Seat<'_>) -> anyhow::Result<u8> {
     if args.device != "simulated" {
         bail!(

@@ -45,7 +45,7 @@ pub fn run(args: &DemoArgs) -> anyhow::Result<u8> {
 /// The same with the simulated operator in a seat. A session in virtual time has no seat.
 ///
 /// # Errors
-/// As for [`run`].
+/// The errors of [`run`].
 pub fn run_at(args: &DemoArgs, seat: seat::Seat<'_>) -> anyhow::Result<u8> {
     if args.list_exercises {
         for (name, about) in exercise::list() {

@@ -18,7 +18,8 @@ use sulcus_connection::link::{Link, LinkConfig};
 use sulcus_connection::perform::perform;
 use sulcus_connection::progress::Steps;
 
-/// Performs `prepared` in real time, with the simulated operator in a seat, and checks the recording. Returns the summary.
+/// Performs `prepared` in real time, with the simulated operator in a seat, and checks the recording. Returns the
+/// summary.
 ///
 /// # Errors
 /// The server does not start or is lost, the server ends the session, or the recording cannot be read.

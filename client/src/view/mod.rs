@@ -1,7 +1,8 @@
 //! `--view`: a window beside a session.
 //!
 //! The window has the main thread, the session a thread of its own. They exchange the newest state and the acts of the
-//! person without waiting. A window that cannot open, or that is closed, ends nothing: the exercise and its force go on.
+//! person without waiting. A window that cannot open, or that is closed, ends nothing: the exercise and its force go
+//! on.
 
 mod live;
 mod on_screen;

@@ -20,7 +20,8 @@ pub enum Triangles {
 /// Finish of a surface at a vertex. A display without a finish chooses one by the kind of the object.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Finish {
-    /// Perceptual roughness of the highlight, 255ths: 0 is a mirror. A screen squares it for the width of the highlight.
+    /// Perceptual roughness of the highlight, 255ths: 0 is a mirror. A screen squares it for the width of the
+    /// highlight.
     pub roughness: u8,
     /// Depth of the stippling, 255ths of the deepest.
     pub stipple: u8,

@@ -47,8 +47,8 @@ pub(crate) enum Follower {
 }
 
 impl Display {
-    /// Makes the display of a compiled scene. The first whole mouth of a process takes some seconds, the next ones about
-    /// a second, so never in a thread that ticks.
+    /// Makes the display of a compiled scene. The first whole mouth of a process takes some seconds, the next ones
+    /// about a second, so never in a thread that ticks.
     ///
     /// # Errors
     /// A mesh of the scene is beyond the limits of a display; the error names the rule.

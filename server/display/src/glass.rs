@@ -10,7 +10,8 @@ const LEAST_M2: f64 = 1.1e-4;
 /// Largest angle between normals of one flat face, as a cosine.
 const SAME: f64 = 0.9999;
 
-/// Returns the largest flat face of a tool that faces the handle. `None` for a probe, and for a tool without such a face.
+/// Returns the largest flat face of a tool that faces the handle. `None` for a probe, and for a tool without such a
+/// face.
 ///
 /// A mirror's handle lies on the reflecting side: the operator looks along it. The compiled tool has no other sign of
 /// its reflecting side.

@@ -14,8 +14,8 @@
 //!   here, at the server.
 //! - A place bleeds in a frame after the event `bleeding`, which the probe has caused.
 //!
-//! Inflammation is visible: colour, gloss and swelling show it, as in a mouth. Tissue that an inflammation softens gives
-//! way more, so its frames differ, too.
+//! Inflammation is visible: colour, gloss and swelling show it, as in a mouth. Tissue that an inflammation softens
+//! gives way more, so its frames differ, too.
 //!
 //! Two patients who differ only in hidden values have the same scene, byte for byte. Their frames are the same bytes
 //! until a tool meets tissue that differs. A difference in bleeding alone shows when the probe has left the site.

@@ -32,11 +32,24 @@ pub(super) struct PictureArgs {
 }
 
 pub(super) fn run(args: &PictureArgs) -> anyhow::Result<ExitCode> {
-    let program = find("sulcus-client", "cargo build --release -p sulcus-client --features view")?;
+    let program = find(
+        "sulcus-client",
+        "cargo build --release -p sulcus-client --features view",
+    )?;
     let mut command = Command::new(&program);
-    command.arg("picture").arg("--recording").arg(&args.recording);
-    let named = [("--at", &args.at), ("--view", &args.view), ("--size", &args.size)];
-    for (name, value) in named.into_iter().chain(args.tooth.as_ref().map(|tooth| ("--tooth", tooth))) {
+    command
+        .arg("picture")
+        .arg("--recording")
+        .arg(&args.recording);
+    let named = [
+        ("--at", &args.at),
+        ("--view", &args.view),
+        ("--size", &args.size),
+    ];
+    for (name, value) in named
+        .into_iter()
+        .chain(args.tooth.as_ref().map(|tooth| ("--tooth", tooth)))
+    {
         // Joined by the sign, so that a value cannot become an option.
         let mut argument = OsString::from(format!("{name}="));
         argument.push(value);

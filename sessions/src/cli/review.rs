@@ -7,7 +7,7 @@ use anyhow::Context as _;
 use clap::Args;
 use sulcus_program::PathText;
 
-use super::sibling::find;
+use super::sibling::{BUILDS_REVIEW, find};
 
 #[derive(Args)]
 #[command(disable_help_flag = true)]
@@ -22,7 +22,7 @@ pub(super) struct ReviewArgs {
 }
 
 pub(super) fn run(args: &ReviewArgs) -> anyhow::Result<ExitCode> {
-    let program = find("sulcus-review", "cargo build --release -p sulcus-view --features rerun")?;
+    let program = find("sulcus-review", BUILDS_REVIEW)?;
     let ended = Command::new(&program)
         .args(&args.args)
         .status()

@@ -3,6 +3,9 @@
 use std::env::consts::EXE_SUFFIX;
 use std::path::PathBuf;
 
+/// Command that builds `sulcus-review`.
+pub const BUILDS_REVIEW: &str = "cargo build --release -p sulcus-view --features rerun";
+
 /// Path of the program `name`, beside the running program or on PATH. `build` is the command that builds the program.
 ///
 /// # Errors

@@ -122,7 +122,7 @@ impl<'a> Enamel<'a> {
         }
         for fissure in &self.fissures {
             let (distance, strength) = beside(fissure, p);
-            // Where two fissures meet, the stronger one is seen.
+            // The stronger of two fissures is seen at their meeting.
             let same = (distance - nearest.0).abs() < 1e-6;
             if distance < nearest.0 - 1e-6 || (same && strength > nearest.1) {
                 nearest = (distance, strength);

@@ -1,8 +1,8 @@
 //! Colours of the soft tissues by zone and inflammation.
 //!
 //! Zones are measured on upper front gingiva (Gomez Polo 2019, Ito 2015); the default of the attached gingiva lies
-//! between both. All other numbers are chosen by the direction that studies report: alveolar mucosa is darker and redder
-//! than attached gingiva, inflamed tissue redder, then darker.
+//! between both. All other numbers are chosen by the direction that studies report: alveolar mucosa is darker and
+//! redder than attached gingiva, inflamed tissue redder, then darker.
 
 use sulcus_core::Vec3;
 use sulcus_core::math::{fclamp, fmax};

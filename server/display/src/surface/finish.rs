@@ -1,8 +1,8 @@
 //! Gloss, stippling and translucence of the soft tissues.
 //!
 //! A film of saliva covers all tissues; its thickness sets the roughness (chosen within the ranges that films of 10 to
-//! 70 um suggest). Stippling lies on attached gingiva alone, between papillae more than over roots (chosen by studies of
-//! stippling patterns).
+//! 70 um suggest). Stippling lies on attached gingiva alone, between papillae more than over roots (chosen by studies
+//! of stippling patterns).
 
 use sulcus_core::Vec3;
 use sulcus_core::math::{fclamp, fmax};

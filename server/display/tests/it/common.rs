@@ -44,8 +44,8 @@ pub fn compiled_text(text: &str, file: &Path) -> Scene {
         .scene
 }
 
-/// Returns a patient who looks like `seen`, margins and inflammation included, with other hidden values from numbers of 0 to 1. `None`: the mouth has no
-/// room for them.
+/// Returns a patient who looks like `seen`, margins and inflammation included, with other hidden values from numbers of
+/// 0 to 1. `None`: the mouth has no room for them.
 pub fn disguised(seen: &Patient, hidden: &[f64]) -> Option<Patient> {
     let mut numbers = hidden.iter().cycle().copied();
     let mut next = move || numbers.next().unwrap_or(0.5);

@@ -19,7 +19,7 @@ use sulcus_scene::mesh::size::Size;
 use sulcus_scene::mesh::solid::{Reading, read_solid};
 use sulcus_scene::tree::build::{TreeOptions, build_weighted};
 use sulcus_scene::tree::zone::importance;
-use sulcus_sessions::cli::sibling::find;
+use sulcus_sessions::cli::sibling::{BUILDS_REVIEW, find};
 
 use sulcus_program::ProgressLines;
 use viewer::Subject;
@@ -209,7 +209,7 @@ pub(crate) fn writable(folder: &Path) -> anyhow::Result<()> {
 
 /// The path of the written file; none where the program that writes files for Rerun is not installed.
 fn for_rerun(folder: &Path, subject: &Subject) -> anyhow::Result<Option<PathBuf>> {
-    let program = match find("sulcus-review") {
+    let program = match find("sulcus-review", BUILDS_REVIEW) {
         Ok(program) => program,
         Err(missing) => {
             tell!("note: no tree.rrd: {missing}");

@@ -26,7 +26,7 @@ const NARROW: f64 = 0.4;
 /// Range of the search for a tooth's surface beside its convex section, mm.
 const NEAR: f64 = 0.9;
 
-/// What a student sees of a tooth's gingiva. No other value of a chart reaches the sheet.
+/// Visible values of a tooth's gingiva. No other value of a chart reaches the sheet.
 pub(super) struct Visible {
     /// Margins; its depths are [`USUAL_MM`].
     pub sulcus: SulcusProfile,
@@ -157,8 +157,8 @@ impl<'a> Cell<'a> {
 
     /// Sets the papilla at an end of the tooth. `peak` is the distance of a broad papilla's peaks from the contact, mm.
     ///
-    /// The margin at a charted site is the simulated one: a student reads depths against it. A broad papilla's peak lies
-    /// beyond the site, the tip of a narrow one between both sites.
+    /// The margin at a charted site is the simulated one: a student reads depths against it. A broad papilla's peak
+    /// lies beyond the site, the tip of a narrow one between both sites.
     pub fn set_papilla(&mut self, end: usize, rise: f64, peak: f64) {
         let Some(seen) = &self.visible else { return };
         let sites = seen.sulcus.sites();

@@ -1,7 +1,7 @@
 //! The soft tissues of a mouth as a student sees them: one sheet from the margins to lip, cheek and floor of the mouth.
 //!
-//! Margin, recession and inflammation are visible. Depth, bleeding, furcation and mobility are hidden, and no such value
-//! reaches the sheet: two patients with the same visible values have the same sheet, bit for bit.
+//! Margin, recession and inflammation are visible. Depth, bleeding, furcation and mobility are hidden, and no such
+//! value reaches the sheet: two patients with the same visible values have the same sheet, bit for bit.
 //!
 //! # Margin
 //! The drawn margin touches the tooth at the height of the simulated one. The simulated margin depends a little on the

@@ -13,8 +13,8 @@ const HEALED: f64 = -2.0;
 const SADDLE: f64 = 0.8;
 /// Share of the way to the papilla of a neighbouring tooth that a ridge climbs at its end. Chosen.
 const CLIMBS: f64 = 0.6;
-/// Places behind the last tooth and heights of the pad over that tooth's junction, mm: half of the crown's height on the
-/// pad, then up into the fold to the upper jaw. Chosen.
+/// Places behind the last tooth and heights of the pad over that tooth's junction, mm: half of the crown's height on
+/// the pad, then up into the fold to the upper jaw. Chosen.
 const PAD: [[f64; 5]; 2] = [[0.0, 3.0, 7.0, 12.0, BEHIND], [1.6, 2.0, 3.4, 5.0, 8.0]];
 
 /// Half width of the cap over the crest, and height of the rounding from crest to faces, mm. Chosen.

@@ -1,7 +1,7 @@
 //! Sizes of the soft tissues by tooth, mm, from the midline backwards (31 to 37).
 
-/// Width of the gingiva from the margin to the mucogingival line on the facial side of a healthy tooth: attached gingiva
-/// (Shirmohammadi 2008) and a sulcus of 1.4.
+/// Width of the gingiva from the margin to the mucogingival line on the facial side of a healthy tooth: attached
+/// gingiva (Shirmohammadi 2008) and a sulcus of 1.4.
 pub const FACIAL: [f64; 7] = [5.0, 5.1, 4.5, 3.8, 4.0, 4.4, 4.3];
 /// The same on the lingual side: means of two studies (Shirmohammadi 2008, Voigt 1978) and a sulcus of 1.4.
 pub const LINGUAL: [f64; 7] = [4.1, 4.1, 4.4, 4.6, 5.1, 6.5, 6.5];

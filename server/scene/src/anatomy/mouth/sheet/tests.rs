@@ -275,8 +275,8 @@ fn margin_touches_the_tooth() {
     }
 }
 
-/// Largest differences between felt and drawn margin, mm: at the mid sites, at the proximal sites, and on the faces away
-/// from the papillae. Teeth with a depth beyond `deepest` are left out.
+/// Largest differences between felt and drawn margin, mm: at the mid sites, at the proximal sites, and on the faces
+/// away from the papillae. Teeth with a depth beyond `deepest` are left out.
 fn disagreement(deepest: f64) -> [f64; 3] {
     let entry = MouthEntry::default();
     let mut worst = [0.0f64; 3];
