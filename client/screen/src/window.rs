@@ -223,11 +223,9 @@ impl ApplicationHandler for Application {
         if self.show.is_over() {
             return event_loop.exit();
         }
-        if Instant::now() >= self.next {
-            if let Some(opened) = &self.opened {
-                self.next = Instant::now() + opened.period;
-                opened.window.request_redraw();
-            }
+        if let Some(opened) = self.opened.as_ref().filter(|_| Instant::now() >= self.next) {
+            self.next = Instant::now() + opened.period;
+            opened.window.request_redraw();
         }
         event_loop.set_control_flow(ControlFlow::WaitUntil(self.next));
     }
