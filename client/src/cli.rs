@@ -150,8 +150,8 @@ pub struct WithView<A: Args> {
 #[derive(Clone, Debug, Args)]
 pub struct ViewArgs {
     /// Show the session in a window. Needs a build with `--features view`. Keys: F1 to F6 choose the view, a drag
-    /// turns, the wheel magnifies, Home resets, F7 hides the panel, Escape pauses, w wipes blood away, F11 is full
-    /// screen. Findings: digits, b, s, r, f, u, Return
+    /// turns, the wheel magnifies, Home resets, F7 hides the panel, F10 closes, Escape pauses, w wipes blood away, F11
+    /// is full screen. Findings: digits, b, s, r, f, u, Return
     #[arg(long)]
     pub view: bool,
     /// First view of the window: overview, front, buccal, lingual, mirror, close-up

@@ -163,7 +163,9 @@ impl ApplicationHandler for Application {
                 // The space bar is the clutch: it never confirms a finding by accident.
                 let is_clutch =
                     self.hands.is_some() && event.logical_key == WindowKey::Named(NamedKey::Space);
-                if is_pressed && !is_hands && !is_clutch {
+                if is_pressed && event.logical_key == WindowKey::Named(NamedKey::F10) {
+                    event_loop.exit();
+                } else if is_pressed && !is_hands && !is_clutch {
                     self.key(&event.logical_key, event.repeat);
                 }
             }

@@ -1,6 +1,7 @@
 //! A virtual display: Xvfb, with xdotool as the person at it.
 
 use std::process::{Child, Command, Stdio};
+use std::sync::atomic::{AtomicU32, Ordering};
 use std::time::{Duration, Instant};
 
 use sulcus_screen::gpu::{Backend, Graphics};
@@ -18,9 +19,11 @@ pub struct VirtualDisplay {
 }
 
 impl VirtualDisplay {
-    /// Starts a display with a number of this process.
+    /// Starts a display with a number of its own.
     pub fn start() -> Result<Self, String> {
-        let name = format!(":{}", 100 + std::process::id() % 30_000);
+        static STARTED: AtomicU32 = AtomicU32::new(0);
+        let number = STARTED.fetch_add(1, Ordering::Relaxed);
+        let name = format!(":{}", 100 + (4 * std::process::id() + number) % 30_000);
         let server = Command::new("Xvfb")
             .args([&name, "-screen", "0", "1280x800x24", "-nolisten", "tcp"])
             .stdout(Stdio::null())
@@ -71,11 +74,6 @@ impl VirtualDisplay {
         let found = self.command(&["search", "--name", title]).output().ok()?;
         let text = String::from_utf8(found.stdout).ok()?;
         text.lines().next().map(str::to_owned)
-    }
-
-    /// Closes a window as a window manager does.
-    pub fn close(&self, window: &str) {
-        self.tool(&["windowclose", window]);
     }
 }
 
