@@ -31,6 +31,7 @@ Examples:
   sulcus-client run --server 192.0.2.7:4433 --ticket TOKEN.FINGERPRINT --exercise bimanual
   sulcus-client run --server 192.0.2.7:4433 --ticket TOKEN.FINGERPRINT --exercise probing --readings
   sulcus-client swarm --stations 8 --duration 60 --replay
+  sulcus-client bands --count 20
   sulcus-client picture --exercise bimanual --at 20 --view buccal --out picture.png
 
 Ctrl-C ends the session with a stop; a second Ctrl-C ends the program at once.
@@ -55,6 +56,37 @@ pub enum Command {
     /// a build with `--features view`
     #[command(after_long_help = EXAMPLES)]
     Picture(PictureArgs),
+    /// Lesson in reading the bands of a probe: a window shows a probe in a pocket and asks for the depth. Needs a build
+    /// with `--features view`
+    #[command(after_long_help = EXAMPLES)]
+    Bands(BandsArgs),
+}
+
+/// Arguments of `bands`.
+#[derive(Clone, Debug, Args)]
+pub struct BandsArgs {
+    /// Number of tasks, 1 to 200
+    #[arg(long, value_name = "N", default_value_t = 10, value_parser = clap::value_parser!(u16).range(1..=200))]
+    pub count: u16,
+    /// Seed of the tasks
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    pub seed: u64,
+    /// Rule of rounding to whole millimetres: nearest_half_up, up, down
+    #[arg(long, value_name = "NAME", default_value = "nearest_half_up")]
+    pub rule: String,
+    /// Scene file (TOML) with a probe and gingivae. Default: the built-in mouth
+    #[arg(long, value_name = "FILE")]
+    pub scene: Option<PathBuf>,
+    /// Write a picture of each task and the file `tasks.json` with the right answers into this folder, instead of
+    /// opening a window
+    #[arg(long, value_name = "DIR")]
+    pub pictures: Option<PathBuf>,
+    /// Size of the pictures, pixels
+    #[arg(long, value_name = "WxH", default_value = "960x540", value_parser = size, requires = "pictures")]
+    pub size: [u32; 2],
+    /// Print one JSON object as the last line of standard output
+    #[arg(long)]
+    pub json: bool,
 }
 
 /// Arguments of `picture`.
@@ -106,6 +138,9 @@ pub struct PictureArgs {
     /// Quality: full, plain, low, lowest
     #[arg(long, value_name = "NAME", default_value = "full")]
     pub quality: String,
+    /// Glass of the mirror: clean, fogged, scratched
+    #[arg(long, value_name = "NAME", default_value = "clean")]
+    pub glass: String,
     /// Leave out the instruments
     #[arg(long)]
     pub no_tools: bool,
@@ -170,6 +205,9 @@ pub struct ViewArgs {
     /// no force. The space bar takes the tool and holds it still again; closing the window ends the session
     #[arg(long, requires = "view")]
     pub mouse: bool,
+    /// Glass of the mirror: clean, fogged, scratched
+    #[arg(long, value_name = "NAME", default_value = "clean", requires = "view")]
+    pub glass: String,
     /// Flip the window left to right, for a screen that is seen in a half mirror
     #[arg(long, requires = "view")]
     pub half_mirror: bool,

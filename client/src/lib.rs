@@ -5,6 +5,8 @@
 
 #![cfg_attr(not(test), warn(clippy::print_stdout, clippy::print_stderr))]
 
+#[cfg(feature = "view")]
+pub mod bands;
 pub mod cli;
 pub mod join;
 #[cfg(feature = "view")]
@@ -50,6 +52,7 @@ pub fn run() -> ExitCode {
         }
         Some(cli::Command::Swarm(args)) => (sulcus_demo::swarm::run(&args), args.json),
         Some(cli::Command::Picture(args)) => (picture(&args), false),
+        Some(cli::Command::Bands(args)) => (bands(&args), args.json),
     };
     let code = done.unwrap_or_else(|error| {
         let text = sulcus_sessions::sentence(&error);
@@ -86,6 +89,16 @@ fn with_view(
     #[cfg(feature = "view")]
     return view::beside(args, session);
     #[cfg(not(feature = "view"))]
+    anyhow::bail!(NO_VIEW)
+}
+
+#[cfg(feature = "view")]
+fn bands(args: &cli::BandsArgs) -> anyhow::Result<u8> {
+    bands::run(args)
+}
+
+#[cfg(not(feature = "view"))]
+fn bands(_: &cli::BandsArgs) -> anyhow::Result<u8> {
     anyhow::bail!(NO_VIEW)
 }
 

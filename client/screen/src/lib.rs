@@ -12,6 +12,7 @@ mod ball;
 mod blood;
 pub mod camera;
 mod coarse;
+pub mod depth;
 pub mod error;
 pub mod eye;
 #[cfg(feature = "gpu")]
@@ -28,6 +29,7 @@ mod normals;
 mod occlusion;
 mod order;
 pub mod panel;
+pub mod pointer;
 pub mod quality;
 pub mod readings;
 pub mod show;

@@ -65,3 +65,41 @@ impl Material {
         }
     }
 }
+
+/// State of a mirror's glass.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Glass {
+    /// Clean.
+    #[default]
+    Clean,
+    /// Fogged by breath, as an unwarmed mirror is.
+    Fogged,
+    /// Scratched by use.
+    Scratched,
+}
+
+impl Glass {
+    /// Fog and scratches, 0 to 1.
+    pub fn looks(self) -> (f32, f32) {
+        match self {
+            Self::Clean => (0.0, 0.0),
+            Self::Fogged => (0.7, 0.0),
+            Self::Scratched => (0.0, 1.0),
+        }
+    }
+}
+
+impl std::str::FromStr for Glass {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        match text {
+            "clean" => Ok(Self::Clean),
+            "fogged" => Ok(Self::Fogged),
+            "scratched" => Ok(Self::Scratched),
+            _ => Err(format!(
+                "`{text}` is no glass, expected one of: clean, fogged, scratched"
+            )),
+        }
+    }
+}

@@ -6,7 +6,7 @@ use sulcus_proto::display::{DisplayScene, SceneHash};
 
 use crate::hand::Shared;
 use crate::moment::Moment;
-use crate::panel::{Detail, PanelState};
+use crate::panel::{Detail, PanelState, Primitive};
 use crate::readings::Key;
 use crate::views::View;
 
@@ -20,6 +20,12 @@ pub trait Show {
 
     /// Contents of the panel. `detail` is the present level of the picture.
     fn panel(&mut self, detail: Detail) -> PanelState;
+
+    /// Primitives over the picture in place of the panel, for a window of `window` pixels on a display with the scale
+    /// factor `scale`; `None`: the panel.
+    fn overlay(&mut self, _window: [u32; 2], _scale: f32) -> Option<Vec<Primitive>> {
+        None
+    }
 
     /// Takes an act of the person at the window.
     fn act(&mut self, act: Act);

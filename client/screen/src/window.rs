@@ -15,14 +15,17 @@ use winit::event_loop::{ActiveEventLoop, ControlFlow, EventLoop};
 use winit::keyboard::{Key as WindowKey, NamedKey};
 use winit::window::{CursorGrabMode, Fullscreen, Window, WindowId};
 
+use crate::depth::millimetres;
 use crate::error::ScreenError;
 use crate::eye::Eye;
 use crate::gpu::{Drawing, Screen};
 use crate::hand::keys::Control;
 use crate::input::{HandsInput, of_button, of_key};
+use crate::material::Glass;
 use crate::panel::{Detail, layout};
+use crate::pointer::pointer;
 use crate::quality::{Governor, Quality};
-use crate::readings::Key;
+use crate::readings::{Key, Place};
 use crate::show::{Act, Show};
 use crate::stage::Stage;
 use crate::strings::ENGLISH;
@@ -42,6 +45,8 @@ pub struct Settings {
     pub has_real_time: bool,
     /// Whether the output is flipped left to right, for a screen that is seen in a half mirror.
     pub mirrored: bool,
+    /// Glass of the mirror.
+    pub glass: Glass,
 }
 
 /// Report of a window.
@@ -304,13 +309,21 @@ impl Application {
         }
         let state = self.show.panel(detail(level));
         let scale = opened.window.scale_factor() as f32;
-        let panel = self
-            .has_panel
-            .then(|| layout(&state, [width, height], scale, &ENGLISH).list);
-        let drawing = Drawing::through(camera);
-        opened
-            .screen
-            .draw(&drawing, &moment, &panel.unwrap_or_default(), &target);
+        let overlay = self.show.overlay([width, height], scale);
+        let mut list = Vec::new();
+        if let Some(overlay) = overlay {
+            list = overlay;
+        } else if self.has_panel {
+            let stop = state.tour.as_ref().and_then(|tour| tour.stop);
+            if let Some(place) = stop.and_then(|stop| Place::of(stop, &scene)) {
+                let place = millimetres(place.at);
+                list = pointer(&camera.pass(), &place, [width, height], scale);
+            }
+            list.extend(layout(&state, [width, height], scale, &ENGLISH).list);
+        }
+        let mut drawing = Drawing::through(camera);
+        (drawing.fog, drawing.scratches) = self.settings.glass.looks();
+        opened.screen.draw(&drawing, &moment, &list, &target);
         opened.window.pre_present_notify();
         opened.screen.present(target);
         let took = begin.elapsed();

@@ -14,6 +14,7 @@ use sulcus_operator::{Operator, Shown};
 use sulcus_program::{PathText, say, tell};
 use sulcus_scene::BuiltIn;
 use sulcus_screen::gpu::{Backend, Drawing, Graphics, Mode, Renderer};
+use sulcus_screen::material::Glass;
 use sulcus_screen::moment::Moment;
 use sulcus_screen::quality::Quality;
 use sulcus_screen::stage::Stage;
@@ -35,6 +36,7 @@ pub fn run(args: &PictureArgs) -> anyhow::Result<u8> {
     let named = |error: String| anyhow!(error);
     let view: View = args.view.parse().map_err(named).context("--view")?;
     let quality: Quality = args.quality.parse().map_err(named).context("--quality")?;
+    let glass: Glass = args.glass.parse().map_err(named).context("--glass")?;
     let (display, mut moment) = instant(args, &steps)?;
     if args.no_tools {
         for tool in &mut moment.tools {
@@ -50,8 +52,10 @@ pub fn run(args: &PictureArgs) -> anyhow::Result<u8> {
     let (turn, tilt) = (args.turn.to_radians(), args.tilt.to_radians());
     let camera = camera.orbited(turn, tilt, 1.0).magnified(args.zoom);
     let triangles = stage.triangles();
+    let mut drawing = Drawing::through(camera);
+    (drawing.fog, drawing.scratches) = glass.looks();
     let mut renderer = Renderer::new(graphics, stage, quality, Mode::Beauty);
-    let image = renderer.picture(&Drawing::through(camera), &moment, args.size)?;
+    let image = renderer.picture(&drawing, &moment, args.size)?;
     let png = image.png()?;
     std::fs::write(&args.out, png)
         .with_context(|| format!("--out {}: cannot write", args.out.shown()))?;

@@ -9,6 +9,7 @@ use sulcus_connection::link::{LinkError, now_ns};
 use sulcus_core::math::norm;
 use sulcus_proto::control::Command;
 use sulcus_proto::display::{DisplayScene, SceneHash};
+use sulcus_screen::depth;
 use sulcus_screen::hand::Shared;
 use sulcus_screen::moment::{Moment, ToolAt};
 use sulcus_screen::panel::{
@@ -37,6 +38,8 @@ pub struct Live {
     /// Tick at which the blood was wiped away the last time.
     wiped: u64,
     tick: u64,
+    /// Depth that the bands show, mm.
+    depth_mm: Option<f64>,
 }
 
 impl Live {
@@ -63,6 +66,7 @@ impl Live {
             traces: facts.tools.iter().map(|_| Trace::default()).collect(),
             wiped: 0,
             tick: 0,
+            depth_mm: None,
             facts,
             eyes,
             hands,
@@ -142,6 +146,7 @@ impl Show for Live {
         }
         let wiped = self.wiped;
         moment.spots.retain(|(spot, _)| spot.since > wiped);
+        self.depth_mm = depth::by_bands(&picture.scene, &moment);
         let age_s = now_ns().saturating_sub(glance.now_ns) as f64 / 1e9;
         Some((moment, age_s))
     }
@@ -183,7 +188,7 @@ impl Show for Live {
                 title: self.facts.title.clone(),
                 task: self.facts.task.clone(),
                 tools,
-                depth_mm: None,
+                depth_mm: self.depth_mm,
                 detail,
             },
         }

@@ -99,6 +99,10 @@ pub fn beside(
         quality,
         has_real_time: sulcus_link::schedule::may_fifo(),
         mirrored: args.half_mirror,
+        glass: args
+            .glass
+            .parse()
+            .map_err(|error: String| anyhow!("--glass: {error}"))?,
     };
     let (seat_in, seated) = sync_channel::<Seated>(1);
     let closed = Arc::new(AtomicBool::new(false));

@@ -194,7 +194,7 @@ fn shade(at: vec3f, smooth_normal: vec3f, bumped: vec3f, colour: vec3f, finish: 
         return steel * tint * (0.75 * room(at, along) + 2.2 * shine + 0.3 * sheen) + 0.25 * shine;
     }
     // Surfaces that fade into the dark of the mouth have no film either.
-    let there = smoothstep(0.004, 0.05, max(albedo.r, max(albedo.g, albedo.b)));
+    let there = smoothstep(0.02, 0.15, max(albedo.r, max(albedo.g, albedo.b)));
     // Light through thin edges.
     let against = max(0.0, dot(v, -normalize(l + 0.2 * smooth_normal)));
     let through = finish.z * 0.25 * against * against * against * against * against * against;

@@ -6,6 +6,7 @@
 mod answer;
 mod chance;
 mod grade;
+pub mod place;
 mod rule;
 
 pub use answer::{Answer, BAND_READ};
