@@ -65,6 +65,9 @@ pub struct Report {
 /// Frames of a second without a known refresh rate, and the most of a software adapter without real-time priority.
 const USUAL_HZ: f64 = 60.0;
 const CAPPED_HZ: f64 = 30.0;
+/// Step of the lamp's patch, and its largest distance from the middle of the picture, mm.
+const LAMP_MM: f64 = 8.0;
+const LAMP_FAR_MM: f64 = 80.0;
 /// Age of a state that no longer counts as live, seconds.
 const STALE_S: f64 = 1.0;
 /// Keys of the views, in the order of [`View::ALL`].
@@ -105,6 +108,7 @@ pub fn run(show: Box<dyn Show>, settings: Settings) -> Result<Report, ScreenErro
         drawn: None,
         has_panel: true,
         is_grabbed: false,
+        lamp_mm: [0.0; 2],
         drag: None,
         cursor: [0.0; 2],
         next: Instant::now(),
@@ -133,6 +137,8 @@ struct Application {
     /// Scene that is drawn.
     drawn: Option<SceneHash>,
     has_panel: bool,
+    /// Place of the lamp's patch in the picture, to the right and upwards, mm.
+    lamp_mm: [f64; 2],
     /// Whether the mouse moves a tool.
     is_grabbed: bool,
     /// Place of the cursor at the begin of a drag, pixels.
@@ -323,6 +329,10 @@ impl Application {
         }
         let mut drawing = Drawing::through(camera);
         (drawing.fog, drawing.scratches) = self.settings.glass.looks();
+        let [right, up, _] = camera.axes();
+        drawing.lamp = drawing
+            .lamp
+            .aimed(&(right * self.lamp_mm[0] + up * self.lamp_mm[1]));
         opened.screen.draw(&drawing, &moment, &list, &target);
         opened.window.pre_present_notify();
         opened.screen.present(target);
@@ -397,7 +407,11 @@ impl Application {
                 self.came_to_rest();
             }
             WindowKey::Named(named) => {
-                if let Some(at) = VIEW_KEYS.iter().position(|one| one == named) {
+                if let Some(step) = lamp_step(*named) {
+                    for (at, step) in self.lamp_mm.iter_mut().zip(step) {
+                        *at = (*at + step * LAMP_MM).clamp(-LAMP_FAR_MM, LAMP_FAR_MM);
+                    }
+                } else if let Some(at) = VIEW_KEYS.iter().position(|one| one == named) {
                     self.eye.choose(View::ALL[at]);
                     self.show.act(Act::View(View::ALL[at]));
                 } else if let Some(key) = named_key(*named) {
@@ -423,6 +437,17 @@ impl Application {
         } = self.eye;
         self.show.act(Act::Camera { turn, tilt, zoom });
     }
+}
+
+/// Step of the lamp's patch to the right and upwards; `None` for another key.
+fn lamp_step(key: NamedKey) -> Option<[f64; 2]> {
+    Some(match key {
+        NamedKey::ArrowLeft => [-1.0, 0.0],
+        NamedKey::ArrowRight => [1.0, 0.0],
+        NamedKey::ArrowUp => [0.0, 1.0],
+        NamedKey::ArrowDown => [0.0, -1.0],
+        _ => return None,
+    })
 }
 
 /// Key of a finding that has a name, not a letter.
