@@ -101,7 +101,8 @@ impl View {
                 // Across the working end, from the side of the cheek.
                 let aside = buccal - along * buccal.dot(&along);
                 let towards = aside * 0.9 + Vector::new(0.15, 0.0, 0.35);
-                at(tip - along * 3.0, towards, 300.0, 17.0)
+                // All bands of a probe show, so that they can be counted from the last one.
+                at(tip - along * 7.0, towards, 300.0, 23.0)
             }
         }
     }
