@@ -1,9 +1,9 @@
 //! Rehearsal: a class hour in a few minutes, with the programs as a school runs them.
 //!
 //! An IT person makes tokens from a roster and writes the file of the stations. Four students join. An instructor
-//! pauses a hand, writes a note and sends a message. A cable is pulled and put back. The server is killed and started
-//! again, and the students go on with their old tickets. The certificate is rotated. At the end all recordings replay identically, and each
-//! student has one grade, also from two recordings.
+//! pauses a hand, writes a note and sends a message. A screen shows a station. A cable is pulled and put back. The
+//! server is killed and started again, and the students go on with their old tickets. The certificate is rotated. At
+//! the end all recordings replay identically, and each student has one grade, also from two recordings.
 //!
 //! Later parts of the system add their own acts here.
 
@@ -13,9 +13,11 @@ use std::process::{Child, Stdio};
 use std::time::{Duration, Instant};
 
 use serde_json::Value;
+use sulcus_connection::display::{Cache, DisplayLink};
 use sulcus_connection::instructor::{Heard, Instructor};
 use sulcus_connection::link::{LinkConfig, LinkError, Pin};
 use sulcus_proto::control::Instruction;
+use sulcus_proto::display::DisplayFrame;
 use sulcus_proto::hex::from_hex32;
 use sulcus_proto::station::{Phase, StationStatus};
 use sulcus_proto::{Role, Ticket};
@@ -140,6 +142,14 @@ impl Class {
             .expect("the client starts")
     }
 
+    /// Screen of a station, over `address`.
+    fn screen(&self, k: usize, address: &str) -> DisplayLink {
+        let ticket: Ticket = self.tickets[k].parse().expect("a ticket");
+        let config = LinkConfig::new(address.parse().expect("an address"), &ticket, "");
+        let cache = Cache::new(self.place.path("screen-cache"));
+        DisplayLink::begin(&config, Some(cache)).expect("a thread")
+    }
+
     fn recordings(&self) -> Vec<PathBuf> {
         files_with(&self.place.path("recordings"), "mcap")
     }
@@ -147,6 +157,23 @@ impl Class {
     fn sessions(&self, arguments: &[&str]) -> Ended {
         self.place.run(Program::Sessions, arguments)
     }
+}
+
+/// Waits for a frame on a screen that fits.
+fn shown(screen: &mut DisplayLink, fits: impl Fn(&DisplayFrame) -> bool) -> DisplayFrame {
+    let patience = Instant::now() + Duration::from_secs(90);
+    while Instant::now() < patience {
+        let newest = screen.newest().and_then(|picture| picture.frame.clone());
+        if let Some(frame) = newest.filter(|frame| fits(frame)) {
+            return frame;
+        }
+        std::thread::sleep(Duration::from_millis(20));
+    }
+    panic!(
+        "waited in vain for a picture: {:?} {:?}",
+        screen.trouble(),
+        screen.stats()
+    );
 }
 
 /// Waits for a status of a station that fits.
@@ -189,10 +216,12 @@ fn a_class_hour() {
     let names: Vec<&str> = STATIONS.iter().map(|station| station.0).collect();
     assert_eq!(instructor.welcome().stations, names);
 
-    act("four students join, the third over a cable that will be pulled");
+    act("four students join, the third with a screen, over a cable that will be pulled");
     let relay = Relay::to(class.address.parse().expect("an address"));
     let cable = relay.address.to_string();
     let addresses = [&class.address, &class.address, &cable, &class.address];
+    // The screen has the student's ticket and the same cable.
+    let mut screen = class.screen(2, &cable);
     let students: Vec<Child> = addresses
         .iter()
         .enumerate()
@@ -232,6 +261,7 @@ fn a_class_hour() {
     assert!(resumed.taken && resumed.tick > paused.tick, "{resumed:?}");
 
     act("the cable of the third student is pulled, and put back");
+    let scene = shown(&mut screen, |frame| frame.tick > 1000);
     relay.cut(true);
     until(&mut instructor, "chair-3", "a gap", |at| {
         at.phase == Phase::Waiting
@@ -240,6 +270,10 @@ fn a_class_hour() {
     until(&mut instructor, "chair-3", "a return", |at| {
         at.phase == Phase::Running && at.gaps == 1
     });
+    // The screen returns by itself, with the scene of its cache.
+    let cut = shown(&mut screen, |_| true).tick;
+    let again = shown(&mut screen, |frame| frame.tick > cut + 500);
+    assert_eq!(again.scene, scene.scene);
 
     act("the server is killed, and started again with the same tickets");
     server.process.kill().expect("SIGKILL");
@@ -253,6 +287,12 @@ fn a_class_hour() {
             at.phase == Phase::Running && at.tick > 1000
         });
     }
+
+    let after = shown(&mut screen, |frame| {
+        frame.tick < again.tick && frame.tick > 1000
+    });
+    assert_eq!(after.scene, scene.scene, "the same patient");
+    drop(screen);
 
     act("the students finish");
     for (k, student) in students.into_iter().enumerate() {
