@@ -40,12 +40,14 @@ impl fmt::Display for Method {
     }
 }
 
-/// Allows the tool 64 substeps of 0.99 mm in a tick, with a prediction distance of a millimetre.
+/// Allows the tool 64 substeps of 0.99 mm in a tick, with a prediction distance of a millimetre, without bounds on the
+/// work and on the change of force.
 fn unlimited(scene: &mut Scene) {
     scene.params.predict_min = 1e-3;
     scene.params.predict_max = 1e-3;
     scene.params.trust = 0.99;
     scene.params.max_substeps = 64;
+    (scene.params.max_work, scene.params.max_arrival_step) = (0, 0.0);
 }
 
 /// Result of one case by one method.
