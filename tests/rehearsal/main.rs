@@ -220,8 +220,9 @@ fn a_class_hour() {
     let relay = Relay::to(class.address.parse().expect("an address"));
     let cable = relay.address.to_string();
     let addresses = [&class.address, &class.address, &cable, &class.address];
-    // The screen has the student's ticket and the same cable.
-    let mut screen = class.screen(2, &cable);
+    // The screen has the student's ticket. A relay carries one connection.
+    let relay_of_screen = Relay::to(class.address.parse().expect("an address"));
+    let mut screen = class.screen(2, &relay_of_screen.address.to_string());
     let students: Vec<Child> = addresses
         .iter()
         .enumerate()
@@ -263,10 +264,12 @@ fn a_class_hour() {
     act("the cable of the third student is pulled, and put back");
     let scene = shown(&mut screen, |frame| frame.tick > 1000);
     relay.cut(true);
+    relay_of_screen.cut(true);
     until(&mut instructor, "chair-3", "a gap", |at| {
         at.phase == Phase::Waiting
     });
     relay.cut(false);
+    relay_of_screen.cut(false);
     until(&mut instructor, "chair-3", "a return", |at| {
         at.phase == Phase::Running && at.gaps == 1
     });

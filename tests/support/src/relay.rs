@@ -1,4 +1,4 @@
-//! A relay of UDP packets between a client and a server: cuts the path, or comes from another port as a NAT does.
+//! A relay of UDP packets between one client and a server: cuts the path, or comes from another port as a NAT does.
 
 use std::net::{SocketAddr, UdpSocket};
 use std::sync::atomic::{AtomicBool, Ordering};
