@@ -16,6 +16,8 @@ use crate::stage::Stage;
 const POINT: (f32, f32) = (0.45, 0.6);
 /// Half length of the line along the sulcus, mm, and the times of its begin and end, s.
 const LINE: (f32, [f32; 2]) = (1.9, [0.8, 5.0]);
+/// Age after which blood spreads no more, s: the end of the line.
+pub(crate) const WHOLE_S: f32 = LINE.1[1];
 /// Half height of the line, mm.
 const HEIGHT: f32 = 0.42;
 /// Least cover of the vertex next to whole blood: the whole vertex is drawn as blood.

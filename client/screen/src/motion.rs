@@ -40,9 +40,14 @@ impl Stage {
             .iter()
             .map(|k| self.parts[*k].vertices.clone())
             .collect();
-        if self.is_bloody || !moment.spots.is_empty() {
-            ranges.extend(blood::spread(self, &moment.spots));
-            self.is_bloody = !moment.spots.is_empty();
+        let spots = moment.spots.iter();
+        let bled: Vec<_> = spots
+            .map(|(spot, age)| (*spot, age.min(blood::WHOLE_S)))
+            .collect();
+        // Blood that has spread whole changes no more.
+        if bled != self.bled {
+            ranges.extend(blood::spread(self, &bled));
+            self.bled = bled;
         }
         ranges
     }

@@ -6,7 +6,7 @@
 use std::ops::Range;
 
 use nalgebra::Vector3;
-use sulcus_proto::display::{DisplayGlass, DisplayMesh, DisplayScene, Finish, Kind, Skin};
+use sulcus_proto::display::{DisplayGlass, DisplayMesh, DisplayScene, Finish, Kind, Skin, Spot};
 
 use crate::ball::Ball;
 use crate::coarse;
@@ -85,8 +85,8 @@ pub struct Stage {
     pub(crate) balls: Vec<Ball>,
     /// Objects that are not at rest.
     pub(crate) displaced: Vec<u16>,
-    /// Whether any vertex has blood.
-    pub(crate) is_bloody: bool,
+    /// Blood of all vertices: each spot with its age, at most [`crate::blood::WHOLE_S`].
+    pub(crate) bled: Vec<(Spot, f32)>,
 }
 
 impl Stage {
@@ -104,7 +104,7 @@ impl Stage {
             normals: Normals::default(),
             balls: Vec::new(),
             displaced: Vec::new(),
-            is_bloody: false,
+            bled: Vec::new(),
         };
         stage.skins.resize_with(scene.objects.len(), || None);
         stage.sites.resize_with(scene.objects.len(), Vec::new);

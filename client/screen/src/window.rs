@@ -342,7 +342,9 @@ impl Application {
             let times = &mut self.report.times;
             times.frame(age_s + took.as_secs_f64(), took.as_secs_f64());
         }
-        self.report.adapter = opened.screen.graphics().name();
+        if self.report.adapter.is_empty() {
+            self.report.adapter = opened.screen.graphics().name();
+        }
         let budget = opened.period.as_secs_f64();
         if let Some(level) = opened.governor.frame(took.as_secs_f64(), budget) {
             tracing::info!("pictures take too long: quality {}", level.name());

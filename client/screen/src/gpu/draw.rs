@@ -48,7 +48,7 @@ const ROOM: wgpu::Color = wgpu::Color {
 pub enum Mode {
     /// Lit picture.
     Beauty,
-    /// One flat colour for each part, without light: [`Renderer::identity`] has the colours.
+    /// Flat colour for each part, without light: [`Renderer::identity`] has the colours.
     Identity,
 }
 
@@ -511,7 +511,7 @@ fn entry(binding: u32, resource: wgpu::BindingResource<'_>) -> wgpu::BindGroupEn
     wgpu::BindGroupEntry { binding, resource }
 }
 
-/// One block of a buffer of blocks; the offset is given with each use.
+/// Block of a buffer of blocks; the offset is given with each use.
 fn constants(buffer: &Buffer) -> wgpu::BindingResource<'_> {
     wgpu::BindingResource::Buffer(wgpu::BufferBinding {
         buffer,

@@ -1,4 +1,4 @@
-//! What moves in pictures: tissue, tools between two instants, and rest afterwards.
+//! Motion in pictures: tissue, tools between two instants, and rest afterwards.
 
 use nalgebra::{Point2, Rotation3};
 use sulcus_proto::display::{DisplayScene, Moved, MovedHandle, STEP_M, Spot};
