@@ -77,6 +77,8 @@ fn place(mouth: &Mouth<'_>, start: &Start, below: f64) -> Vec3 {
         Start::Margin { cell, around, z } => {
             let cell = &mouth.cells[cell];
             let groove = cell.surface(around, z) - cell.tooth.sections.radius(around, z);
+            // Down the leaning tooth, as far below the margin.
+            let below = below / cell.tooth.frame.axis.z;
             let r = cell.tooth.sections.radius(around, z - below);
             cell.world(
                 around,
