@@ -30,8 +30,8 @@ pub(super) struct Walls {
     /// Exponents of the buccolingual coordinate: root, crown buccally, crown lingually. With 2, proximal faces are as
     /// round as an ellipse.
     pub round: [f64; 3],
-    /// Taper of the crown: share by which its sections are broader at the buccal outline and narrower at the lingual
-    /// one. A first molar is 11 mm broad buccally and 9.5 mm lingually.
+    /// Taper of the crown: share by which its sections are narrower at the lingual outline. A first molar is 11 mm broad
+    /// buccally and 9.5 mm lingually, and its lingual embrasures are the wider ones.
     pub taper: f64,
     /// Height of the round end of the root, mm.
     pub apex: f64,
@@ -85,7 +85,8 @@ impl Walls {
         };
         let crown = ramp(p.z, -0.5, 3.0);
         let v = dy / hy;
-        let hx = hx * (1.0 + self.taper * crown * fclamp(v, -1.0, 1.0));
+        let behind = fclamp(-v, 0.0, 1.0);
+        let hx = hx * (1.0 - self.taper * crown * behind * behind);
         let u = dx / hx;
         let above = p.z - self.cej(p.x, p.y);
         let m = self.flat[0] + (self.flat[1] - self.flat[0]) * crown;
