@@ -1,6 +1,7 @@
 //! Layouts of whole panels, over sizes, scales and states.
 
 use super::*;
+use crate::handed::Person;
 use crate::readings::{Key, Readings, Site, Stop};
 use crate::strings::ENGLISH;
 use proptest::prelude::*;
@@ -43,6 +44,7 @@ fn full(mode: Mode) -> PanelState {
             paused_by_student: true,
             paused_by_station: true,
             force_limit_n: Some(2.75),
+            person: Some(Person::default()),
             warnings: vec![
                 Warning::NoForce("mouse".into()),
                 Warning::SlowPicture,

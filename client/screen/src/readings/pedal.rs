@@ -145,6 +145,12 @@ impl Pedal {
         keys.extend(meant.next().map(|row| row.key));
         keys
     }
+
+    /// Forgets the group of presses so far, as for a window that lost the focus.
+    pub fn let_go(&mut self) {
+        self.down_since = None;
+        (self.short, self.long) = (0, 0);
+    }
 }
 
 #[cfg(test)]
