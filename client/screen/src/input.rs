@@ -202,8 +202,8 @@ impl PedalInput {
         }
     }
 
-    /// Takes a press or a release. Returns the keys of the group before; `None` for another switch.
-    pub fn change(&mut self, switch: &Switch, is_down: bool) -> Option<Vec<Key>> {
+    /// Takes a press or a release. Returns whether the switch is the pedal's.
+    pub fn change(&mut self, switch: &Switch, is_down: bool) -> bool {
         let now = self.now_ms();
         self.foot.change(switch, is_down, now)
     }
@@ -248,17 +248,35 @@ pub(crate) fn switch_of_button(button: MouseButton) -> Option<Switch> {
 }
 
 /// Gamepads of a window; none in a build without the feature `gamepad`.
-#[derive(Default)]
 pub(crate) struct PadsInput {
     #[cfg(all(feature = "gamepad", target_os = "linux"))]
-    pads: crate::hand::pad::Pads,
+    pads: Option<crate::hand::pad::Pads>,
 }
 
 impl PadsInput {
+    /// Gamepads, if a hand or a pedal takes their events.
+    #[cfg_attr(
+        not(all(feature = "gamepad", target_os = "linux")),
+        allow(unused_variables)
+    )]
+    pub fn new(has_hands: bool, pedal: Option<&Foot>) -> Self {
+        Self {
+            #[cfg(all(feature = "gamepad", target_os = "linux"))]
+            pads: {
+                let is_pedal = pedal.is_some_and(|foot| matches!(foot.switch(), Switch::Pad(_)));
+                (has_hands || is_pedal).then(crate::hand::pad::Pads::new)
+            },
+        }
+    }
+
     /// Events since the previous call of this function.
     pub fn events(&mut self) -> Vec<PadEvent> {
         #[cfg(all(feature = "gamepad", target_os = "linux"))]
-        return self.pads.events();
+        return self
+            .pads
+            .as_mut()
+            .map(crate::hand::pad::Pads::events)
+            .unwrap_or_default();
         #[cfg(not(all(feature = "gamepad", target_os = "linux")))]
         Vec::new()
     }

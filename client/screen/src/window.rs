@@ -112,9 +112,9 @@ pub fn run(show: Box<dyn Show>, settings: Settings) -> Result<Report, ScreenErro
     (eye.mirrored, eye.hand) = (settings.mirrored, settings.hand);
     let hands = show.hands().map(HandsInput::new);
     let mut application = Application {
+        pads: PadsInput::new(hands.is_some(), settings.pedal.as_ref()),
         hands,
         pedal: settings.pedal.clone().map(PedalInput::new),
-        pads: PadsInput::default(),
         modifiers: ModifiersState::empty(),
         report: Report {
             adapter: String::new(),
@@ -404,27 +404,16 @@ impl Application {
                 self.grab();
             }
         }
-        if let Some(pedal) = &mut self.pedal {
-            let keys = pedal.wait();
-            self.read(keys);
+        let keys = self.pedal.as_mut().map(PedalInput::wait);
+        for key in keys.unwrap_or_default() {
+            self.show.act(Act::Reading(key));
         }
     }
 
     /// Takes a press or a release for the pedal. Returns whether it was the pedal's.
     fn stepped_on(&mut self, switch: Option<Switch>, is_down: bool) -> bool {
-        let (Some(pedal), Some(switch)) = (&mut self.pedal, switch) else {
-            return false;
-        };
-        let keys = pedal.change(&switch, is_down);
-        let is_pedal = keys.is_some();
-        self.read(keys.unwrap_or_default());
-        is_pedal
-    }
-
-    fn read(&mut self, keys: Vec<Key>) {
-        for key in keys {
-            self.show.act(Act::Reading(key));
-        }
+        let pedal = self.pedal.as_mut().zip(switch);
+        pedal.is_some_and(|(pedal, switch)| pedal.change(&switch, is_down))
     }
 
     /// Takes a press or a release for the hands. Returns whether it was theirs.

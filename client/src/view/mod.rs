@@ -9,6 +9,7 @@ mod on_screen;
 mod outcome;
 mod player;
 mod programs;
+mod settings;
 mod voice;
 mod watched;
 
@@ -24,9 +25,6 @@ use sulcus_program::{output, tell};
 use sulcus_screen::error::ScreenError;
 use sulcus_screen::hand::Shared;
 use sulcus_screen::handed::Person;
-use sulcus_screen::quality::Quality;
-use sulcus_screen::readings::{Foot, Switch};
-use sulcus_screen::views::View;
 use sulcus_screen::window::{self, Report, Settings};
 
 use crate::cli::ViewArgs;
@@ -34,6 +32,7 @@ use live::Live;
 use on_screen::OnScreen;
 use outcome::Outcome;
 use player::Player;
+use settings::{named, settings};
 use voice::Voice;
 use watched::{Eyes, Watched};
 
@@ -158,36 +157,6 @@ fn helper<T>(option: &str, asked: bool, begin: fn() -> Result<T, String>) -> Opt
     begun
         .inspect_err(|why| tell!("warning: {option}: {why}"))
         .ok()
-}
-
-/// Value of an option by its name.
-fn named<T: std::str::FromStr<Err = String>>(option: &str, name: &str) -> anyhow::Result<T> {
-    name.parse().map_err(|error| anyhow!("{option}: {error}"))
-}
-
-/// Settings of the window.
-fn settings(args: &ViewArgs) -> anyhow::Result<Settings> {
-    let view: View = named("--camera", &args.camera)?;
-    let quality = args.quality.as_deref();
-    let quality: Option<Quality> = quality.map(|name| named("--quality", name)).transpose()?;
-    let switch = args.pedal.as_deref();
-    let switch: Option<Switch> = switch.map(|name| named("--pedal", name)).transpose()?;
-    if cfg!(not(feature = "gamepad")) && matches!(switch, Some(Switch::Pad(_))) {
-        return Err(anyhow!(
-            "--pedal: this build reads no gamepad; build with `--features gamepad`"
-        ));
-    }
-    let used = named("--pedal-use", &args.pedal_use)?;
-    Ok(Settings {
-        title: "Sulcus".into(),
-        view,
-        quality,
-        has_real_time: sulcus_link::schedule::may_fifo(),
-        mirrored: args.half_mirror,
-        glass: named("--glass", &args.glass)?,
-        hand: named("--hand", &args.hand)?,
-        pedal: switch.map(|switch| Foot::new(switch, used)),
-    })
 }
 
 /// Keeps the session alive after a loss of the display's server, whose library would end the process.

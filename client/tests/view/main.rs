@@ -195,8 +195,9 @@ fn a_killed_display_server_is_not_the_end_of_the_session() {
     assert_eq!(told.matches(sentence).count(), 1, "{told}");
     assert_eq!(json["identical"], Value::Bool(true), "{json} {told}");
     assert_eq!(json["gradable"], Value::Bool(true), "{json} {told}");
-    // The force went on to the end: the session has its whole length.
-    assert!(json["ticks"].as_u64().expect("ticks") >= 12_000, "{json}");
+    // The session went on for its whole 12 s. A busy machine skips some ticks.
+    let count = |name: &str| json[name].as_u64().expect("a number");
+    assert!(count("ticks") + count("skipped") >= 11_900, "{json}");
 }
 
 #[test]

@@ -9,11 +9,20 @@ use sulcus_support::Resource;
 use crate::display::{self, VirtualDisplay};
 use crate::{demo, opened, result, said};
 
-/// Holds a key or a button for a time. `kind` is `key` or `mouse`.
+/// Presses, ms: far from the border of 500 ms, because a window on a busy machine takes events late.
+const SHORT: u64 = 40;
+const LONG: u64 = 1500;
+const SHORT_SHORT_SHORT_LONG: [u64; 4] = [SHORT, SHORT, SHORT, LONG];
+/// Pause that ends a group, and pause between two presses, far below it.
+const REST: Duration = Duration::from_millis(1500);
+const BETWEEN: Duration = Duration::from_millis(60);
+
+/// Holds a key or a button for a time, and rests shortly. `kind` is `key` or `mouse`.
 fn hold(screen: &VirtualDisplay, kind: &str, name: &str, ms: u64) {
     screen.tool(&[&format!("{kind}down"), name]);
     std::thread::sleep(Duration::from_millis(ms));
     screen.tool(&[&format!("{kind}up"), name]);
+    std::thread::sleep(BETWEEN);
 }
 
 #[test]
@@ -51,24 +60,20 @@ fn a_pedal_alone_charts_and_the_recording_names_hand_rest_and_head() {
         .spawn()
         .expect("started");
     let window = opened(&screen);
-    std::thread::sleep(Duration::from_secs(3));
+    std::thread::sleep(Duration::from_secs(5));
     screen.tool(&["windowfocus", &window]);
     // Three presses and a long one: 3 mm, confirmed.
-    for ms in [120, 120, 120, 800] {
+    for ms in SHORT_SHORT_SHORT_LONG {
         hold(&screen, "key", "F8", ms);
-        std::thread::sleep(Duration::from_millis(120));
     }
-    std::thread::sleep(Duration::from_millis(900));
-    // Three long presses at a site without a depth, and one more: nothing is confirmed, and nothing is lost.
-    for ms in [800, 800, 800, 0, 800] {
-        if ms == 0 {
-            std::thread::sleep(Duration::from_millis(900));
-        } else {
-            hold(&screen, "key", "F8", ms);
-            std::thread::sleep(Duration::from_millis(120));
+    std::thread::sleep(REST);
+    // Bleeding by three long presses, and one that confirms: without a depth nothing is confirmed.
+    for presses in [3, 1] {
+        for _ in 0..presses {
+            hold(&screen, "key", "F8", LONG);
         }
+        std::thread::sleep(REST);
     }
-    std::thread::sleep(Duration::from_millis(900));
     for key in ["shift+Right", "shift+Up", "Right"] {
         screen.tool(&["key", key]);
         std::thread::sleep(Duration::from_millis(200));
@@ -109,22 +114,21 @@ fn a_button_of_the_mouse_is_a_pedal_beside_the_keyboard() {
     let child = demo(
         folder.path(),
         "probing",
-        &[&more[..], &["--duration", "14"]].concat(),
+        &[&more[..], &["--duration", "24"]].concat(),
     )
     .env("DISPLAY", screen.name())
     .spawn()
     .expect("started");
     let window = opened(&screen);
-    std::thread::sleep(Duration::from_secs(2));
+    std::thread::sleep(Duration::from_secs(5));
     screen.tool(&["windowfocus", &window]);
     screen.tool(&["mousemove", "--window", &window, "300", "300"]);
     screen.tool(&["key", "7"]);
     for _ in 0..2 {
-        hold(&screen, "mouse", "2", 120);
-        std::thread::sleep(Duration::from_millis(120));
+        hold(&screen, "mouse", "2", SHORT);
     }
-    std::thread::sleep(Duration::from_millis(900));
-    hold(&screen, "mouse", "2", 120);
+    std::thread::sleep(REST);
+    hold(&screen, "mouse", "2", SHORT);
     let output = child.wait_with_output().expect("ended");
     let (json, told) = result(&output);
     let calls = said(&json, "reading_called");

@@ -131,7 +131,7 @@ fn every_window_and_scale_holds_the_panel() {
                     mode == Mode::Practice || !all.contains("1.04 N"),
                     "{what}: {all}"
                 );
-                for practice in ["0.32 N 32 g", "heavy", "Depth 7.4 mm", "Paused. Keep"] {
+                for practice in ["0.32 N 32 g", "heavy", "Depth 7.4 mm", "The session"] {
                     assert_eq!(
                         all.contains(practice),
                         mode == Mode::Practice,

@@ -1,6 +1,9 @@
 //! Foot on a pedal: presses of a switch become keys of the readings.
 //!
-//! All times are arguments, milliseconds of any clock that never goes back.
+//! All times are arguments, milliseconds of any clock that never goes back. A window takes events between two pictures,
+//! so that a slow picture delays several of them to one time. Two rules follow. Press and release at one time are a
+//! short press; the electronics of a keyboard have removed the bounces. A group ends only in [`Foot::wait`], after all
+//! events that had come; a press after a slow picture never ends its own group.
 
 use std::str::FromStr;
 
@@ -42,10 +45,11 @@ pub struct Foot {
 impl Foot {
     /// Pedal that is up.
     pub fn new(switch: Switch, used: PedalUse) -> Self {
-        let rule = match used {
+        let mut rule = match used {
             PedalUse::Alone => PedalRule::alone(),
             PedalUse::Beside => PedalRule::beside_keyboard(),
         };
+        rule.bounce_ms = 0;
         Self {
             switch,
             pedal: Pedal::new(rule),
@@ -57,17 +61,15 @@ impl Foot {
         &self.switch
     }
 
-    /// Takes in a press, or a release, of a switch at `at_ms`. Returns the keys of the group before; `None` for another
-    /// switch.
-    pub fn change(&mut self, switch: &Switch, is_down: bool, at_ms: u64) -> Option<Vec<Key>> {
-        if *switch != self.switch {
-            return None;
+    /// Takes in a press, or a release, of a switch at `at_ms`. Returns whether the switch is the pedal's.
+    pub fn change(&mut self, switch: &Switch, is_down: bool, at_ms: u64) -> bool {
+        let is_ours = *switch == self.switch;
+        match is_down {
+            true if is_ours => self.pedal.press(at_ms),
+            false if is_ours => self.pedal.up(at_ms),
+            _ => {}
         }
-        if is_down {
-            return Some(self.pedal.down(at_ms));
-        }
-        self.pedal.up(at_ms);
-        Some(Vec::new())
+        is_ours
     }
 
     /// Keys of a group that has ended by `at_ms`.
@@ -98,11 +100,11 @@ mod tests {
         let mut readings = Readings::new(vec![stop]);
         let mut now = 0;
         for held in [100, 100, 100, 800] {
-            assert_eq!(foot.change(&other, true, now), None);
-            assert_eq!(foot.change(&pedal, true, now), Some(vec![]));
+            assert!(!foot.change(&other, true, now));
+            assert!(foot.change(&pedal, true, now));
             // The system repeats a held key.
             foot.change(&pedal, true, now + 50);
-            assert_eq!(foot.change(&pedal, false, now + held), Some(vec![]));
+            assert!(foot.change(&pedal, false, now + held));
             now += held + 100;
         }
         let keys = foot.wait(now + 1000);
@@ -113,6 +115,27 @@ mod tests {
             panic!("{heard:?}");
         };
         assert_eq!((entry.stop, entry.depth_mm), (stop, 3));
+    }
+
+    #[test]
+    fn slow_pictures_change_no_count() {
+        let pedal: Switch = "pad-start".parse().expect("a button");
+        let mut foot = Foot::new(pedal.clone(), PedalUse::Alone);
+        // Times at which the window takes events: two presses at once, then one over a picture of half a second.
+        for (is_down, at) in [
+            (true, 100),
+            (false, 100),
+            (true, 100),
+            (false, 100),
+            (true, 650),
+            (false, 650),
+        ] {
+            foot.change(&pedal, is_down, at);
+        }
+        assert_eq!(foot.wait(900), []);
+        foot.change(&pedal, true, 950);
+        foot.change(&pedal, false, 1900);
+        assert_eq!(foot.wait(2300), [Key::Count(3), Key::Next]);
     }
 
     #[test]
