@@ -97,6 +97,11 @@ fn a_pedal_alone_charts_and_the_recording_names_hand_rest_and_head() {
         assert!(screens.contains(event), "{event}: {screens}");
     }
     assert_eq!(screens.matches("head_turn_deg").count(), 2, "{screens}");
+    let path = json["recording"].as_str().expect("a recording");
+    let recording = crate::recording(&json);
+    let info = sulcus_sessions::info(std::path::Path::new(path), &recording).expect("sound");
+    let line = "student    probe in the left hand, finger rest: tooth";
+    assert!(info.to_string().contains(line), "{info}");
     let spoken = std::fs::read_to_string(spoken).expect("the voice");
     assert!(spoken.starts_with("Place the tip at "), "{spoken}");
 }

@@ -137,7 +137,7 @@ impl Pad {
         let analog = [[2, 5], [21, 20]].into_iter().enumerate();
         let mut analog = analog.filter(|(k, [l, r])| has(*l) && has(*r) && (has_right || *k > 0));
         let triggers = match analog.next() {
-            Some((_, axes)) => axes.map(|axis| self.from_zero(axis)),
+            Some((_, axes)) => axes.map(|axis| self.pulled(axis)),
             None => self.triggers.map(|down| f64::from(u8::from(down))),
         };
         Sticks {
@@ -154,7 +154,7 @@ impl Pad {
     }
 
     /// Share of the range from its least value on, 0 to 1; 0 for an axis that the device has not.
-    fn from_zero(&self, number: usize) -> f64 {
+    fn pulled(&self, number: usize) -> f64 {
         self.share(number).unwrap_or(0.0)
     }
 
