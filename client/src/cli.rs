@@ -205,7 +205,7 @@ pub struct WithView<A: Args> {
 pub struct ViewArgs {
     /// Show the session in a window. Needs a build with `--features view`. Keys: F1 to F6 choose the view, a drag
     /// turns, the wheel magnifies, Home resets, F7 hides the panel, F10 closes, Escape pauses, w wipes blood away, F11
-    /// is full screen, Shift and an arrow turns or tilts the patient's head. Findings: digits, b, s, r, f, u, Return
+    /// is full screen. Shift and an arrow turns or tilts the patient's head. Findings: digits, b, s, r, f, u, Return
     #[arg(long)]
     pub view: bool,
     /// First view of the window: overview, front, buccal, lingual, mirror, close-up
@@ -220,8 +220,9 @@ pub struct ViewArgs {
     /// take too long
     #[arg(long, value_name = "NAME", requires = "view")]
     pub quality: Option<String>,
-    /// Move the tools with mouse and keyboard, a 3D mouse of spacenavd, or a gamepad (in a build with `--features
-    /// gamepad`) instead of the simulated operator. There is no force. The space bar takes the tool and holds it still again; closing the window ends the session
+    /// Move the tools with mouse and keyboard, or a 3D mouse of spacenavd, instead of the simulated operator. There is
+    /// no force. The space bar takes the tool and holds it still again; closing the window ends the session. Builds with
+    /// `--features gamepad` or `hid` take a gamepad, or a 3D mouse without spacenavd
     #[arg(long, requires = "view")]
     pub mouse: bool,
     /// Pedal of the findings: the key that a USB pedal types, such as b, f13 or pagedown; a button as mouse-middle; or,

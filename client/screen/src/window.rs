@@ -516,8 +516,8 @@ fn lamp_step(key: NamedKey) -> Option<[f64; 2]> {
     })
 }
 
-/// Step of the patient's head with Shift: towards the patient's left, which is at the right of the picture, and with the
-/// chin upwards; `None` for another key.
+/// Step of the patient's head with Shift: towards the patient's left, which is at the right of the picture, and with
+/// the chin upwards; `None` for another key.
 fn head_step(key: NamedKey) -> Option<[i16; 2]> {
     lamp_step(key).map(|step| step.map(|step| step as i16))
 }

@@ -1,8 +1,8 @@
 //! Sounds of contact, played by a program of the system.
 //!
-//! The program is `paplay` of PulseAudio, which PipeWire serves as well, else `aplay` of ALSA. A program needs no headers
-//! in the build, unlike a library of sound. A thread starts the program for each sound; the window never waits. Without
-//! a program, or after its first failure, one sentence is told and no sound is played.
+//! The program is `paplay` of PulseAudio, which PipeWire serves as well, else `aplay` of ALSA. A program needs no
+//! headers in the build, unlike a library of sound. A thread starts the program for each sound; the window never waits.
+//! Without a program, or after its first failure, one sentence is told and no sound is played.
 
 use std::io::Write;
 use std::path::{Path, PathBuf};

@@ -74,8 +74,8 @@ pub enum Switch {
 impl FromStr for Switch {
     type Err = String;
 
-    /// Switch of a name: a single character, a named key such as `pagedown` or `f13`, `mouse-` or `pad-` with the name of
-    /// a button.
+    /// Switch of a name: a single character, a named key such as `pagedown` or `f13`, `mouse-` or `pad-` with the name
+    /// of a button.
     fn from_str(text: &str) -> Result<Self, Self::Err> {
         let small = text.to_lowercase();
         if let Some(name) = small.strip_prefix("mouse-") {

@@ -23,8 +23,8 @@ pub struct Ear {
 }
 
 impl Ear {
-    /// Takes a picture: its time, seconds, the force, newtons, and the place of the tip, mm. Returns the speed of a touch
-    /// that begins, mm/s.
+    /// Takes a picture: its time, seconds, the force, newtons, and the place of the tip, mm. Returns the speed of a
+    /// touch that begins, mm/s.
     pub fn hear(&mut self, now_s: f64, force_n: f64, tip: &Vector) -> Option<f64> {
         // A window may draw the same state twice.
         if self.before.is_some_and(|(then_s, _)| then_s == now_s) {

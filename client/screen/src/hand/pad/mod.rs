@@ -85,8 +85,8 @@ impl Pad {
         pad
     }
 
-    /// Takes in an event of the kernel: its kind, number and value. Adds events of the gamepad to `events`; the state of
-    /// the sticks at the end of a group. An unknown number changes nothing.
+    /// Takes in an event of the kernel: its kind, number and value. Adds events of the gamepad to `events`; the state
+    /// of the sticks at the end of a group. An unknown number changes nothing.
     pub fn feed(&mut self, kind: u16, number: u16, value: i32, events: &mut Vec<PadEvent>) {
         match kind {
             AXIS => {
