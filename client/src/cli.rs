@@ -221,8 +221,8 @@ pub struct ViewArgs {
     #[arg(long, value_name = "NAME", requires = "view")]
     pub quality: Option<String>,
     /// Move the tools with mouse and keyboard, or a 3D mouse of spacenavd, instead of the simulated operator. There is
-    /// no force. The space bar takes the tool and holds it still again; closing the window ends the session. Builds with
-    /// `--features gamepad` or `hid` take a gamepad, or a 3D mouse without spacenavd
+    /// no force. The space bar takes the tool and holds it still again; closing the window ends the session. Builds
+    /// with `--features gamepad` or `hid` take a gamepad, or a 3D mouse without spacenavd
     #[arg(long, requires = "view")]
     pub mouse: bool,
     /// Pedal of the findings: the key that a USB pedal types, such as b, f13 or pagedown; a button as mouse-middle; or,
