@@ -12,6 +12,7 @@ use sulcus_program::{PathText, say, tell};
 use sulcus_proto::display::{DisplayScene, SceneHash};
 use sulcus_scene::BuiltIn;
 use sulcus_screen::gpu::{Backend, Drawing, Graphics, Mode as Kind, Renderer};
+use sulcus_screen::handed::Handed;
 use sulcus_screen::material::Glass;
 use sulcus_screen::moment::Moment;
 use sulcus_screen::panel::{Detail, Mode, PanelState, Primitive, lesson};
@@ -122,6 +123,8 @@ fn in_a_window(
         has_real_time: true,
         mirrored: false,
         glass: Glass::Clean,
+        hand: Handed::Right,
+        pedal: None,
     };
     let taught = Taught {
         scene,

@@ -132,6 +132,25 @@ pub struct PictureArgs {
     /// Magnification
     #[arg(long, value_name = "FACTOR", default_value_t = 1.0)]
     pub zoom: f64,
+    /// Hand of the operator's probe: right, left. The views of a left-handed operator are mirrored
+    #[arg(long, value_name = "NAME", default_value = "right")]
+    pub hand: String,
+    /// Turn of the patient's head to the patient's left, degrees, -45 to 45
+    #[arg(
+        long,
+        value_name = "DEG",
+        default_value_t = 0,
+        allow_negative_numbers = true
+    )]
+    pub head_turn: i16,
+    /// Tilt of the patient's head with the chin upwards, degrees, -30 to 30
+    #[arg(
+        long,
+        value_name = "DEG",
+        default_value_t = 0,
+        allow_negative_numbers = true
+    )]
+    pub head_tilt: i16,
     /// Size of the picture, pixels
     #[arg(long, value_name = "WxH", default_value = "1280x720", value_parser = size)]
     pub size: [u32; 2],
@@ -186,7 +205,7 @@ pub struct WithView<A: Args> {
 pub struct ViewArgs {
     /// Show the session in a window. Needs a build with `--features view`. Keys: F1 to F6 choose the view, a drag
     /// turns, the wheel magnifies, Home resets, F7 hides the panel, F10 closes, Escape pauses, w wipes blood away, F11
-    /// is full screen. Findings: digits, b, s, r, f, u, Return
+    /// is full screen. Shift and an arrow turns or tilts the patient's head. Findings: digits, b, s, r, f, u, Return
     #[arg(long)]
     pub view: bool,
     /// First view of the window: overview, front, buccal, lingual, mirror, close-up
@@ -202,15 +221,37 @@ pub struct ViewArgs {
     #[arg(long, value_name = "NAME", requires = "view")]
     pub quality: Option<String>,
     /// Move the tools with mouse and keyboard, or a 3D mouse of spacenavd, instead of the simulated operator. There is
-    /// no force. The space bar takes the tool and holds it still again; closing the window ends the session
+    /// no force. The space bar takes the tool and holds it still again; closing the window ends the session. Builds
+    /// with `--features gamepad` or `hid` take a gamepad, or a 3D mouse without spacenavd
     #[arg(long, requires = "view")]
     pub mouse: bool,
+    /// Pedal of the findings: the key that a USB pedal types, such as b, f13 or pagedown; a button as mouse-middle; or,
+    /// in a build with `--features gamepad`, a button as pad-start
+    #[arg(long, value_name = "KEY", requires = "view")]
+    pub pedal: Option<String>,
+    /// Use of the pedal. `alone`: short presses count millimetres; one long press confirms, two undo, three say
+    /// bleeding, four suppuration. `beside` a keyboard: one press confirms, two say bleeding, three suppuration, a long
+    /// press undoes
+    #[arg(long, value_name = "NAME", default_value = "alone", requires = "pedal")]
+    pub pedal_use: String,
+    /// Hand of the probe and of the mouse: right, left. The recording names the hand
+    #[arg(long, value_name = "NAME", default_value = "right", requires = "view")]
+    pub hand: String,
+    /// Finger rest that the student declares: none, tooth, chin. The recording names the rest
+    #[arg(long, value_name = "NAME", default_value = "none", requires = "view")]
+    pub finger_rest: String,
     /// Glass of the mirror: clean, fogged, scratched
     #[arg(long, value_name = "NAME", default_value = "clean", requires = "view")]
     pub glass: String,
     /// Flip the window left to right, for a screen that is seen in a half mirror
     #[arg(long, requires = "view")]
     pub half_mirror: bool,
+    /// Speak the next step of a practice by `espeak-ng` or `spd-say`, whichever is installed
+    #[arg(long, requires = "view")]
+    pub speak: bool,
+    /// Play the sound of contact with teeth and soft tissue by `paplay` or `aplay`, whichever is installed
+    #[arg(long, requires = "view")]
+    pub sound: bool,
     /// Print frame age and frame time of the window at the end
     #[arg(long, requires = "view")]
     pub stats: bool,

@@ -48,21 +48,26 @@ pub fn run() -> ExitCode {
         Some(cli::Command::Demo(args)) => (demo(&args), args.session.json),
         Some(cli::Command::Run(args)) => {
             let session = |seat: Seat<'_>| join::run_at(&args.session, seat);
-            (with_view(&args.view, session), args.session.json)
+            let json = args.session.json;
+            (with_view(&args.view, json, session), json)
         }
         Some(cli::Command::Swarm(args)) => (sulcus_demo::swarm::run(&args), args.json),
         Some(cli::Command::Picture(args)) => (picture(&args), false),
         Some(cli::Command::Bands(args)) => (bands(&args), args.json),
     };
-    let code = done.unwrap_or_else(|error| {
+    output::settle(ended(done, json).into())
+}
+
+/// Exit code of a command. An error is reported.
+fn ended(done: anyhow::Result<u8>, json: bool) -> u8 {
+    done.unwrap_or_else(|error| {
         let text = sulcus_sessions::sentence(&error);
         if json {
             say!("{}", serde_json::json!({ "error": text }));
         }
         tell!("error: {text}");
         2
-    });
-    output::settle(code.into())
+    })
 }
 
 /// A session in virtual time is over before a window could show it.
@@ -72,22 +77,26 @@ fn demo(args: &cli::WithView<DemoArgs>) -> anyhow::Result<u8> {
             "--view shows a session in real time: omit --virtual, or draw one instant with `picture`"
         );
     }
-    with_view(&args.view, |seat| sulcus_demo::run_at(&args.session, seat))
+    with_view(&args.view, args.session.json, |seat| {
+        sulcus_demo::run_at(&args.session, seat)
+    })
 }
 
 /// Text about a build without pictures.
 #[cfg(not(feature = "view"))]
 const NO_VIEW: &str = "this build draws no pictures; build with `cargo build --release -p sulcus-client --features view`";
 
+#[cfg_attr(not(feature = "view"), allow(unused_variables))]
 fn with_view(
     args: &cli::ViewArgs,
+    json: bool,
     session: impl FnOnce(Seat<'_>) -> anyhow::Result<u8> + Send,
 ) -> anyhow::Result<u8> {
     if !args.view {
         return session(None);
     }
     #[cfg(feature = "view")]
-    return view::beside(args, session);
+    return view::beside(args, session, |done| ended(done, json));
     #[cfg(not(feature = "view"))]
     anyhow::bail!(NO_VIEW)
 }

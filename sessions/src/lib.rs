@@ -43,6 +43,7 @@ pub use record::levels::By;
 pub use record::message::{Event, Level, Message};
 pub use record::mode::Mode;
 pub use record::occurrence::Occurrence;
+pub use record::person::PersonFacts;
 pub use record::plan::{PlanChange, PlanFacts};
 pub use record::predecessor::Predecessor;
 pub use record::program::Program;

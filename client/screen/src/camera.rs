@@ -125,6 +125,16 @@ impl Camera {
         }
     }
 
+    /// The same camera rotated about a place.
+    pub fn rotated(&self, by: &nalgebra::Rotation3<f64>, about: &Vector) -> Self {
+        let place = |at: &Vector| about + by * (at - about);
+        Self {
+            screen: self.screen.map(|at| place(&at)),
+            eye: place(&self.eye),
+            mirrored: self.mirrored,
+        }
+    }
+
     /// The same camera with a smaller glass about the same middle: the picture is magnified without a wider angle.
     pub fn magnified(&self, factor: f64) -> Self {
         let middle = self.middle();

@@ -3,6 +3,8 @@
 use sulcus_proto::display::DisplayScene;
 
 use crate::camera::{Camera, Vector};
+use crate::handed::Handed;
+use crate::head::Head;
 use crate::moment::Moment;
 use crate::views::View;
 
@@ -30,6 +32,10 @@ pub struct Eye {
     pub zoom: f64,
     /// Whether the output is flipped left to right.
     pub mirrored: bool,
+    /// Hand of the operator.
+    pub hand: Handed,
+    /// Head of the patient.
+    pub head: Head,
     /// Middle of the picture, which follows a moving subject slowly, mm.
     middle: Option<Vector>,
 }
@@ -44,15 +50,21 @@ impl Eye {
             tilt: 0.0,
             zoom: 1.0,
             mirrored: false,
+            hand: Handed::default(),
+            head: Head::default(),
             middle: None,
         }
     }
 
-    /// Changes the view, without turn and magnification.
+    /// Changes the view, without turn and magnification. The patient's head stays.
     pub fn choose(&mut self, view: View) {
-        let (tooth, mirrored) = (self.tooth, self.mirrored);
-        *self = Self::new(view);
-        (self.tooth, self.mirrored) = (tooth, mirrored);
+        *self = Self {
+            tooth: self.tooth,
+            mirrored: self.mirrored,
+            hand: self.hand,
+            head: self.head,
+            ..Self::new(view)
+        };
     }
 
     /// Turns by a drag in pixels, rightwards and downwards.
@@ -74,7 +86,9 @@ impl Eye {
         aspect: f64,
         elapsed_s: f64,
     ) -> Camera {
-        let mut camera = self.view.camera(scene, moment, self.tooth, aspect);
+        let mut camera = self
+            .view
+            .camera_of(self.hand, scene, moment, self.tooth, aspect);
         let wanted = camera.middle();
         // A hand trembles; a picture that follows at once would tremble with it.
         let share = (FOLLOWS * elapsed_s).clamp(0.0, 1.0);
@@ -87,6 +101,6 @@ impl Eye {
             .orbited(self.turn, self.tilt, 1.0)
             .magnified(self.zoom);
         camera.mirrored = self.mirrored;
-        camera
+        self.head.seen(&camera)
     }
 }

@@ -15,9 +15,13 @@ mod coarse;
 pub mod depth;
 pub mod error;
 pub mod eye;
+#[cfg(all(feature = "window", target_os = "linux"))]
+mod gone;
 #[cfg(feature = "gpu")]
 pub mod gpu;
 pub mod hand;
+pub mod handed;
+pub mod head;
 #[cfg(feature = "window")]
 mod input;
 pub mod lamp;
@@ -33,6 +37,7 @@ pub mod pointer;
 pub mod quality;
 pub mod readings;
 pub mod show;
+pub mod sound;
 pub mod stage;
 pub mod strings;
 pub mod text;

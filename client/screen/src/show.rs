@@ -5,6 +5,7 @@ use std::sync::Arc;
 use sulcus_proto::display::{DisplayScene, SceneHash};
 
 use crate::hand::Shared;
+use crate::head::Head;
 use crate::moment::Moment;
 use crate::panel::{Detail, PanelState, Primitive};
 use crate::readings::Key;
@@ -57,6 +58,8 @@ pub enum Act {
         /// Magnification.
         zoom: f64,
     },
+    /// Patient's head turned or tilted.
+    Head(Head),
     /// Panel shown or hidden.
     Panel(bool),
     /// Blood wiped away.
@@ -72,6 +75,9 @@ impl Act {
             Self::View(view) => serde_json::json!({ "view": view.name() }),
             Self::Camera { turn, tilt, zoom } => serde_json::json!({
                 "turn_rad": rounded(*turn), "tilt_rad": rounded(*tilt), "zoom": rounded(*zoom)
+            }),
+            Self::Head(head) => serde_json::json!({
+                "head_turn_deg": head.turn_deg(), "head_tilt_deg": head.tilt_deg()
             }),
             Self::Panel(shown) => serde_json::json!({ "panel": shown }),
             Self::Wipe => serde_json::json!({ "wiped": true }),

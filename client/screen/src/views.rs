@@ -1,11 +1,13 @@
 //! Views: eyes as a seated operator has them, by region of the mouth.
 //!
 //! The eye is 420 mm from the tooth (careoptical; range 340 to 500), the picture 15 to 18 degrees high. Directions follow
-//! the clock positions of a right-handed operator; the exact angles are chosen.
+//! the clock positions of a right-handed operator; the exact angles are chosen. A left-handed operator has mirrored
+//! directions. Today the view of the mirror alone leaves the middle plane.
 
 use sulcus_proto::display::{DisplayObject, DisplayScene, Kind};
 
 use crate::camera::{Camera, Vector};
+use crate::handed::Handed;
 use crate::moment::Moment;
 
 /// Distance of the eye, mm.
@@ -53,9 +55,22 @@ impl View {
         }
     }
 
-    /// Camera of the view. `tooth` is the FDI number of the tooth in the middle; `aspect` is width over height.
+    /// Camera of the view for a right-handed operator. `tooth` is the FDI number of the tooth in the middle; `aspect`
+    /// is width over height.
     pub fn camera(
         self,
+        scene: &DisplayScene,
+        moment: &Moment,
+        tooth: Option<u8>,
+        aspect: f64,
+    ) -> Camera {
+        self.camera_of(Handed::Right, scene, moment, tooth, aspect)
+    }
+
+    /// Camera of the view for an operator with the probe in `hand`.
+    pub fn camera_of(
+        self,
+        hand: Handed,
         scene: &DisplayScene,
         moment: &Moment,
         tooth: Option<u8>,
@@ -93,7 +108,12 @@ impl View {
                     Some((tool.orientation * mm + tool.position).cast::<f64>())
                 });
                 let target = centre.unwrap_or(middle);
-                at(target, Vector::new(0.62, -0.12, 0.78), EYE_MM, 42.0)
+                at(
+                    target,
+                    Vector::new(0.62, -0.12 * hand.side(), 0.78),
+                    EYE_MM,
+                    42.0,
+                )
             }
             Self::CloseUp => {
                 let (tip, along) = tip(scene, moment).unwrap_or((middle, -Vector::z()));

@@ -12,7 +12,7 @@ use winit::event::{
     DeviceEvent, DeviceId, ElementState, MouseButton, MouseScrollDelta, WindowEvent,
 };
 use winit::event_loop::{ActiveEventLoop, ControlFlow, EventLoop};
-use winit::keyboard::{Key as WindowKey, NamedKey};
+use winit::keyboard::{Key as WindowKey, ModifiersState, NamedKey};
 use winit::window::{CursorGrabMode, Fullscreen, Window, WindowId};
 
 use crate::depth::millimetres;
@@ -20,12 +20,16 @@ use crate::error::ScreenError;
 use crate::eye::Eye;
 use crate::gpu::{Drawing, Screen};
 use crate::hand::keys::Control;
-use crate::input::{HandsInput, of_button, of_key};
+use crate::hand::pad::PadEvent;
+use crate::handed::Handed;
+use crate::input::{
+    HandsInput, PadsInput, PedalInput, of_button, of_key, switch_of_button, switch_of_key,
+};
 use crate::material::Glass;
 use crate::panel::{Detail, layout};
 use crate::pointer::pointer;
 use crate::quality::{Governor, Quality};
-use crate::readings::{Key, Place};
+use crate::readings::{Foot, Key, Place, Switch};
 use crate::show::{Act, Show};
 use crate::stage::Stage;
 use crate::strings::ENGLISH;
@@ -47,6 +51,10 @@ pub struct Settings {
     pub mirrored: bool,
     /// Glass of the mirror.
     pub glass: Glass,
+    /// Hand of the probe and of the mouse.
+    pub hand: Handed,
+    /// Pedal of the readings; `None` without one.
+    pub pedal: Option<Foot>,
 }
 
 /// Report of a window.
@@ -80,6 +88,16 @@ const VIEW_KEYS: [NamedKey; 6] = [
     NamedKey::F6,
 ];
 
+/// Sets the act after a loss of the display's server, whose library would end the process. The act runs once, on the
+/// thread that met the loss. The act may end the process; otherwise this thread stays where it is. Only the X Window
+/// System has such a loss.
+pub fn on_loss(last: impl FnOnce() + Send + 'static) {
+    #[cfg(target_os = "linux")]
+    crate::gone::on_loss(Box::new(last));
+    #[cfg(not(target_os = "linux"))]
+    drop(last);
+}
+
 /// Runs a window until the session ends or the person closes it. Must be called on the main thread, once in a process.
 ///
 /// # Errors
@@ -91,10 +109,13 @@ pub fn run(show: Box<dyn Show>, settings: Settings) -> Result<Report, ScreenErro
     #[cfg(target_os = "linux")]
     let _ = rustix::process::nice(5);
     let mut eye = Eye::new(settings.view);
-    eye.mirrored = settings.mirrored;
+    (eye.mirrored, eye.hand) = (settings.mirrored, settings.hand);
     let hands = show.hands().map(HandsInput::new);
     let mut application = Application {
+        pads: PadsInput::new(hands.is_some(), settings.pedal.as_ref()),
         hands,
+        pedal: settings.pedal.clone().map(PedalInput::new),
+        modifiers: ModifiersState::empty(),
         report: Report {
             adapter: String::new(),
             quality: Quality::Full,
@@ -134,6 +155,9 @@ struct Application {
     eye: Eye,
     opened: Option<Opened>,
     hands: Option<HandsInput>,
+    pedal: Option<PedalInput>,
+    pads: PadsInput,
+    modifiers: ModifiersState,
     /// Scene that is drawn.
     drawn: Option<SceneHash>,
     has_panel: bool,
@@ -169,8 +193,11 @@ impl ApplicationHandler for Application {
             WindowEvent::RedrawRequested => self.redraw(event_loop),
             WindowEvent::KeyboardInput { event, .. } => {
                 let is_pressed = event.state == ElementState::Pressed;
-                let is_hands =
-                    of_key(event.physical_key).is_some_and(|key| self.control(key, is_pressed));
+                if self.stepped_on(switch_of_key(&event.logical_key), is_pressed) {
+                    return;
+                }
+                let is_hands = of_key(event.physical_key, self.settings.hand)
+                    .is_some_and(|key| self.control(key, is_pressed));
                 // The space bar is the clutch: it never confirms a finding by accident.
                 let is_clutch =
                     self.hands.is_some() && event.logical_key == WindowKey::Named(NamedKey::Space);
@@ -180,7 +207,11 @@ impl ApplicationHandler for Application {
                     self.key(&event.logical_key, event.repeat);
                 }
             }
+            WindowEvent::ModifiersChanged(modifiers) => self.modifiers = modifiers.state(),
             WindowEvent::Focused(false) => {
+                if let Some(pedal) = &mut self.pedal {
+                    pedal.let_go();
+                }
                 if let Some(hands) = &mut self.hands {
                     hands.let_go();
                 }
@@ -188,6 +219,9 @@ impl ApplicationHandler for Application {
             }
             WindowEvent::MouseInput { state, button, .. } => {
                 let is_pressed = state == ElementState::Pressed;
+                if self.stepped_on(switch_of_button(button), is_pressed) {
+                    return;
+                }
                 if of_button(button).is_some_and(|button| self.control(button, is_pressed)) {
                     return;
                 }
@@ -236,6 +270,7 @@ impl ApplicationHandler for Application {
         if self.show.is_over() {
             return event_loop.exit();
         }
+        self.poll();
         if let Some(opened) = self.opened.as_ref().filter(|_| Instant::now() >= self.next) {
             self.next = Instant::now() + opened.period;
             opened.window.request_redraw();
@@ -355,6 +390,32 @@ impl Application {
         }
     }
 
+    /// Takes events of gamepads, and a group of presses of the pedal that has ended.
+    fn poll(&mut self) {
+        for event in self.pads.events() {
+            let is_pedal = match event {
+                PadEvent::Button(button, is_down) => {
+                    self.stepped_on(Some(Switch::Pad(button)), is_down)
+                }
+                PadEvent::Sticks(_) => false,
+            };
+            if let Some(hands) = self.hands.as_mut().filter(|_| !is_pedal) {
+                hands.pad(&event);
+                self.grab();
+            }
+        }
+        let keys = self.pedal.as_mut().map(PedalInput::wait);
+        for key in keys.unwrap_or_default() {
+            self.show.act(Act::Reading(key));
+        }
+    }
+
+    /// Takes a press or a release for the pedal. Returns whether it was the pedal's.
+    fn stepped_on(&mut self, switch: Option<Switch>, is_down: bool) -> bool {
+        let pedal = self.pedal.as_mut().zip(switch);
+        pedal.is_some_and(|(pedal, switch)| pedal.change(&switch, is_down))
+    }
+
     /// Takes a press or a release for the hands. Returns whether it was theirs.
     fn control(&mut self, control: Control, is_pressed: bool) -> bool {
         let Some(hands) = &mut self.hands else {
@@ -409,7 +470,10 @@ impl Application {
                 self.came_to_rest();
             }
             WindowKey::Named(named) => {
-                if let Some(step) = lamp_step(*named) {
+                if let Some([left, up]) = head_step(*named).filter(|_| self.modifiers.shift_key()) {
+                    self.eye.head = self.eye.head.stepped(left, up);
+                    self.show.act(Act::Head(self.eye.head));
+                } else if let Some(step) = lamp_step(*named) {
                     for (at, step) in self.lamp_mm.iter_mut().zip(step) {
                         *at = (*at + step * LAMP_MM).clamp(-LAMP_FAR_MM, LAMP_FAR_MM);
                     }
@@ -450,6 +514,12 @@ fn lamp_step(key: NamedKey) -> Option<[f64; 2]> {
         NamedKey::ArrowDown => [0.0, -1.0],
         _ => return None,
     })
+}
+
+/// Step of the patient's head with Shift: towards the patient's left, which is at the right of the picture, and with
+/// the chin upwards; `None` for another key.
+fn head_step(key: NamedKey) -> Option<[i16; 2]> {
+    lamp_step(key).map(|step| step.map(|step| step as i16))
 }
 
 /// Key of a finding that has a name, not a letter.

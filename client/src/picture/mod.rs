@@ -14,6 +14,8 @@ use sulcus_operator::{Operator, Shown};
 use sulcus_program::{PathText, say, tell};
 use sulcus_scene::BuiltIn;
 use sulcus_screen::gpu::{Backend, Drawing, Graphics, Mode, Renderer};
+use sulcus_screen::handed::Handed;
+use sulcus_screen::head::Head;
 use sulcus_screen::material::Glass;
 use sulcus_screen::moment::Moment;
 use sulcus_screen::quality::Quality;
@@ -37,6 +39,8 @@ pub fn run(args: &PictureArgs) -> anyhow::Result<u8> {
     let view: View = args.view.parse().map_err(named).context("--view")?;
     let quality: Quality = args.quality.parse().map_err(named).context("--quality")?;
     let glass: Glass = args.glass.parse().map_err(named).context("--glass")?;
+    let hand: Handed = args.hand.parse().map_err(named).context("--hand")?;
+    let head = Head::new(args.head_turn, args.head_tilt).map_err(named)?;
     let (display, mut moment) = instant(args, &steps)?;
     if args.no_tools {
         for tool in &mut moment.tools {
@@ -48,9 +52,9 @@ pub fn run(args: &PictureArgs) -> anyhow::Result<u8> {
     let stage = Stage::new(display.scene(), quality.looks().merged_um);
     let [width, height] = args.size;
     let aspect = f64::from(width) / f64::from(height);
-    let camera = view.camera(display.scene(), &moment, args.tooth, aspect);
+    let camera = view.camera_of(hand, display.scene(), &moment, args.tooth, aspect);
     let (turn, tilt) = (args.turn.to_radians(), args.tilt.to_radians());
-    let camera = camera.orbited(turn, tilt, 1.0).magnified(args.zoom);
+    let camera = head.seen(&camera.orbited(turn, tilt, 1.0).magnified(args.zoom));
     let triangles = stage.triangles();
     let mut drawing = Drawing::through(camera);
     (drawing.fog, drawing.scratches) = glass.looks();

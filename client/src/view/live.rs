@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Instant;
 
 use sulcus_connection::device::{DeviceEvent, Glance};
 use sulcus_connection::display::{Cache, DisplayLink};
@@ -11,16 +12,19 @@ use sulcus_proto::control::Command;
 use sulcus_proto::display::{DisplayScene, SceneHash};
 use sulcus_screen::depth;
 use sulcus_screen::hand::Shared;
+use sulcus_screen::handed::Person;
 use sulcus_screen::moment::{Moment, ToolAt};
 use sulcus_screen::panel::{
-    Clock, Detail, Help, Link, Mode, PanelState, Recording, Status, ToolForce, Tour, Trace, Warning,
+    Clock, Detail, Help, Link, Mode, Next, PanelState, Recording, Status, ToolForce, Tour, Trace,
+    Warning,
 };
 use sulcus_screen::readings::{Heard, READING_CALLED, Readings, Site, Stop, Wrong};
 use sulcus_screen::show::{Act, Show};
+use sulcus_screen::strings::ENGLISH;
 
 use super::on_screen::{self, wire};
 use super::watched::Eyes;
-use super::{Facts, Seated};
+use super::{Facts, Helpers, Seated};
 
 /// Time without a pass of the device's loop after which the link counts as lost, nanoseconds.
 const SILENT_NS: u64 = 1_000_000_000;
@@ -28,6 +32,8 @@ const SILENT_NS: u64 = 1_000_000_000;
 /// Session behind a window.
 pub struct Live {
     facts: Facts,
+    person: Person,
+    helpers: Helpers,
     eyes: Eyes,
     hands: Option<Arc<Shared>>,
     display: DisplayLink,
@@ -43,11 +49,16 @@ pub struct Live {
 }
 
 impl Live {
-    /// Session with a display's connection of its own.
+    /// Session with a display's connection of its own. The settings of the person become an event of the recording.
     ///
     /// # Errors
     /// The system has no thread for the connection.
-    pub fn new(seated: Seated, over: Arc<AtomicBool>) -> Result<Self, LinkError> {
+    pub fn new(
+        seated: Seated,
+        person: Person,
+        helpers: Helpers,
+        over: Arc<AtomicBool>,
+    ) -> Result<Self, LinkError> {
         let Seated { facts, eyes, hands } = seated;
         let display = DisplayLink::begin(&facts.config, Cache::in_default_folder())?;
         let stop = |(tooth, site): &(u8, &'static str)| {
@@ -58,7 +69,10 @@ impl Live {
             })
         };
         let tour: Vec<Stop> = facts.tour.iter().filter_map(stop).collect();
-        Ok(Self {
+        let (kind, json) = person.event(&facts.tools);
+        let mut live = Self {
+            person,
+            helpers,
             display,
             over,
             readings: (!tour.is_empty()).then(|| Readings::new(tour)),
@@ -70,7 +84,9 @@ impl Live {
             facts,
             eyes,
             hands,
-        })
+        };
+        live.say(kind, json);
+        Ok(live)
     }
 
     fn glance(&mut self) -> Option<Glance> {
@@ -81,6 +97,17 @@ impl Live {
     fn say(&mut self, kind: &'static str, json: String) {
         // The ring is full only if the device's loop has ended.
         let _ = self.eyes.events.push(DeviceEvent { kind, json });
+    }
+
+    /// Speaks the next step. An exam has none.
+    fn speak(&mut self, state: &PanelState) {
+        let Some(voice) = &mut self.helpers.voice else {
+            return;
+        };
+        let next = Next::of(state.tour.as_ref(), &state.help, &state.status);
+        let next = next.filter(|_| state.mode == Mode::Practice);
+        let text = next.map(|next| next.sentence(&ENGLISH));
+        voice.follow(text.as_deref(), Instant::now());
     }
 
     fn status(&self, glance: Option<&Glance>) -> Status {
@@ -116,6 +143,7 @@ impl Live {
             paused_by_student: levels.paused_by_student,
             paused_by_station: levels.paused_by_station,
             force_limit_n: (limit > 0.0).then_some(f64::from(limit)),
+            person: Some(self.person),
             warnings,
         }
     }
@@ -147,6 +175,11 @@ impl Show for Live {
         let wiped = self.wiped;
         moment.spots.retain(|(spot, _)| spot.since > wiped);
         self.depth_mm = depth::by_bands(&picture.scene, &moment);
+        if let Some(player) = &mut self.helpers.player {
+            let forces = std::array::from_fn(|k| norm(&glance.displayed[k].force));
+            let now_s = glance.tick as f64 * self.facts.tick_ns as f64 / 1e9;
+            player.follow(now_s, &picture.scene, &moment, forces);
+        }
         let age_s = now_ns().saturating_sub(glance.now_ns) as f64 / 1e9;
         Some((moment, age_s))
     }
@@ -173,7 +206,7 @@ impl Show for Live {
             });
         }
         let tick_s = self.facts.tick_ns as f64 / 1e9;
-        PanelState {
+        let state = PanelState {
             mode: Mode::of(&self.facts.mode),
             clock: Clock {
                 elapsed_s: glance.map_or(0.0, |glance| glance.tick as f64 * tick_s),
@@ -191,7 +224,9 @@ impl Show for Live {
                 depth_mm: self.depth_mm,
                 detail,
             },
-        }
+        };
+        self.speak(&state);
+        state
     }
 
     fn act(&mut self, act: Act) {
@@ -225,7 +260,7 @@ impl Show for Live {
                 let _ = self.eyes.commands.push(command);
             }
             Act::Wipe => self.wiped = self.tick,
-            Act::View(_) | Act::Camera { .. } | Act::Panel(_) => {}
+            Act::View(_) | Act::Camera { .. } | Act::Head(_) | Act::Panel(_) => {}
         }
     }
 

@@ -6,6 +6,11 @@
 
 mod live;
 mod on_screen;
+mod outcome;
+mod player;
+mod programs;
+mod settings;
+mod voice;
 mod watched;
 
 use std::sync::Arc;
@@ -16,15 +21,19 @@ use anyhow::anyhow;
 use sulcus_connection::device::EventDevice;
 use sulcus_connection::link::LinkConfig;
 use sulcus_demo::seat::{Begun, Screen, Seat};
-use sulcus_program::tell;
+use sulcus_program::{output, tell};
+use sulcus_screen::error::ScreenError;
 use sulcus_screen::hand::Shared;
-use sulcus_screen::quality::Quality;
-use sulcus_screen::views::View;
+use sulcus_screen::handed::Person;
 use sulcus_screen::window::{self, Report, Settings};
 
 use crate::cli::ViewArgs;
 use live::Live;
 use on_screen::OnScreen;
+use outcome::Outcome;
+use player::Player;
+use settings::{named, settings};
+use voice::Voice;
 use watched::{Eyes, Watched};
 
 /// Facts of a session that its window needs.
@@ -73,43 +82,30 @@ impl Facts {
     }
 }
 
-/// Runs `session` on a thread of its own, with a window on this thread, which must be the main thread. The result is
-/// that of the session.
+/// Runs `session` on a thread of its own, with a window on this thread, which must be the main thread. `finish` reports
+/// the result of the session and returns the exit code, on the session's thread.
+///
+/// After a loss of the display's server this function does not return: the process ends with the session.
 ///
 /// # Errors
-/// A name of `args` is unknown, the session cannot start, or its own error.
+/// A name of `args` is unknown, or the session's thread cannot start or panics.
 pub fn beside(
     args: &ViewArgs,
     session: impl FnOnce(Seat<'_>) -> anyhow::Result<u8> + Send,
+    finish: impl FnOnce(anyhow::Result<u8>) -> u8 + Send,
 ) -> anyhow::Result<u8> {
-    let view: View = args
-        .camera
-        .parse()
-        .map_err(|error: String| anyhow!("--camera: {error}"))?;
-    let quality: Option<Quality> = match &args.quality {
-        None => None,
-        Some(name) => Some(
-            name.parse()
-                .map_err(|error: String| anyhow!("--quality: {error}"))?,
-        ),
-    };
-    let settings = Settings {
-        title: "Sulcus".into(),
-        view,
-        quality,
-        has_real_time: sulcus_link::schedule::may_fifo(),
-        mirrored: args.half_mirror,
-        glass: args
-            .glass
-            .parse()
-            .map_err(|error: String| anyhow!("--glass: {error}"))?,
+    let settings = settings(args)?;
+    let person = Person {
+        hand: settings.hand,
+        rest: named("--finger-rest", &args.finger_rest)?,
     };
     let (seat_in, seated) = sync_channel::<Seated>(1);
     let closed = Arc::new(AtomicBool::new(false));
     let over = Arc::new(AtomicBool::new(false));
+    let outcome = Arc::new(Outcome::default());
     std::thread::scope(|scope| {
-        let ended = over.clone();
-        let window_closed = closed.clone();
+        let (ended, window_closed) = (over.clone(), closed.clone());
+        let ending = Outcome::ending(&outcome);
         let thread = std::thread::Builder::new()
             .name("sulcus-session".into())
             .spawn_scoped(scope, move || {
@@ -121,15 +117,21 @@ pub fn beside(
                     device: args.mouse.then_some(on_screen::NAME),
                     take: &take,
                 };
-                let result = session(Some(screen));
+                let code = finish(session(Some(screen)));
+                ending.set(code);
                 ended.store(true, Ordering::Release);
                 drop(seat_in);
-                result
+                code
             })?;
         // A session that never begins drops its end.
         if let Ok(seated) = seated.recv() {
-            match Live::new(seated, over.clone()) {
-                Ok(live) => report(args, window::run(Box::new(live), settings), &over),
+            outlive(args.mouse, outcome, closed.clone(), over.clone());
+            let helpers = Helpers {
+                voice: helper("--speak", args.speak, Voice::begin),
+                player: helper("--sound", args.sound, Player::begin),
+            };
+            match Live::new(seated, person, helpers, over.clone()) {
+                Ok(live) => report(args, in_a_window(live, settings), &over),
                 Err(error) => {
                     tell!("warning: no window: {error}; the exercise goes on without pictures")
                 }
@@ -139,8 +141,47 @@ pub fn beside(
         closed.store(true, Ordering::Release);
         thread
             .join()
-            .map_err(|_| anyhow!("the thread of the session panicked"))?
+            .map_err(|_| anyhow!("the thread of the session panicked"))
     })
+}
+
+/// Programs of the system beside a window.
+pub(crate) struct Helpers {
+    voice: Option<Voice>,
+    player: Option<Player>,
+}
+
+/// Helper that an option asks for. Without its program one sentence is told.
+fn helper<T>(option: &str, asked: bool, begin: fn() -> Result<T, String>) -> Option<T> {
+    let begun = asked.then(begin)?;
+    begun
+        .inspect_err(|why| tell!("warning: {option}: {why}"))
+        .ok()
+}
+
+/// Keeps the session alive after a loss of the display's server, whose library would end the process.
+fn outlive(mouse: bool, outcome: Arc<Outcome>, closed: Arc<AtomicBool>, over: Arc<AtomicBool>) {
+    window::on_loss(move || {
+        if over.load(Ordering::Acquire) {
+        } else if mouse {
+            tell!(
+                "error: the display was lost. The session ends, because the mouse needs a window"
+            );
+        } else {
+            tell!("warning: the display was lost. The exercise goes on without pictures");
+        }
+        // A person without a window holds no tool.
+        closed.store(true, Ordering::Release);
+        let code = outcome.wait();
+        std::process::exit(i32::from(output::settled(code)));
+    });
+}
+
+/// Runs the window. A window that panics is an error: the library of the display does so when its server is gone.
+fn in_a_window(live: Live, settings: Settings) -> Result<Report, ScreenError> {
+    let run = || window::run(Box::new(live), settings);
+    let ran = std::panic::catch_unwind(std::panic::AssertUnwindSafe(run));
+    ran.unwrap_or_else(|_| Err(ScreenError::NoDisplay("the window failed".into())))
 }
 
 /// Session that has begun, for its window.
@@ -174,11 +215,7 @@ fn take(
 }
 
 /// Tells how the window ended.
-fn report(
-    args: &ViewArgs,
-    ended: Result<Report, sulcus_screen::error::ScreenError>,
-    over: &AtomicBool,
-) {
+fn report(args: &ViewArgs, ended: Result<Report, ScreenError>, over: &AtomicBool) {
     let goes_on = !over.load(Ordering::Acquire);
     match ended {
         Err(error) if args.mouse => {

@@ -46,6 +46,12 @@ impl VirtualDisplay {
         &self.name
     }
 
+    /// Kills the server at once, with all its windows.
+    pub fn kill(&mut self) {
+        self.server.kill().expect("a running server");
+        self.server.wait().expect("an ended server");
+    }
+
     fn answers(&self) -> Result<bool, String> {
         let asked = self
             .command(&["getmouselocation"])

@@ -1,6 +1,7 @@
 //! The program with its window, from outside, under a virtual display.
 
 mod display;
+mod people;
 
 use std::process::{Command, Output, Stdio};
 use std::time::{Duration, Instant};
@@ -169,6 +170,34 @@ fn a_window_takes_keys_and_a_new_size_and_its_end_is_not_the_end_of_the_session(
         .filter(|data| data.contains("view"))
         .collect();
     assert_eq!(views, [r#"{"view":"buccal"}"#, r#"{"view":"close-up"}"#]);
+}
+
+#[test]
+fn a_killed_display_server_is_not_the_end_of_the_session() {
+    if Resource::Adapter.or_skip(display::adapter()).is_none() {
+        return;
+    }
+    let Some(mut screen) = Resource::Adapter.or_skip(VirtualDisplay::start()) else {
+        return;
+    };
+    let folder = tempfile::tempdir().expect("folder");
+    let child = demo(folder.path(), "crown", &["--duration", "12"])
+        .env("DISPLAY", screen.name())
+        .spawn()
+        .expect("started");
+    opened(&screen);
+    std::thread::sleep(Duration::from_secs(2));
+    screen.kill();
+    let output = child.wait_with_output().expect("ended");
+    let (json, told) = result(&output);
+    assert!(output.status.success(), "{:?} {told}", output.status);
+    let sentence = "the display was lost. The exercise goes on without pictures";
+    assert_eq!(told.matches(sentence).count(), 1, "{told}");
+    assert_eq!(json["identical"], Value::Bool(true), "{json} {told}");
+    assert_eq!(json["gradable"], Value::Bool(true), "{json} {told}");
+    // The session went on for its whole 12 s. A busy machine skips some ticks.
+    let count = |name: &str| json[name].as_u64().expect("a number");
+    assert!(count("ticks") + count("skipped") >= 11_900, "{json}");
 }
 
 #[test]

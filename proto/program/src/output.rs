@@ -63,6 +63,15 @@ pub fn settle(code: ExitCode) -> ExitCode {
     }
 }
 
+/// The same for a code as a number, for a program that ends elsewhere than in `main`.
+pub fn settled(code: u8) -> u8 {
+    if STDOUT.load(Ordering::Relaxed) == FAILED {
+        2
+    } else {
+        code
+    }
+}
+
 /// Returns the exit code after the argument parser has printed its message.
 ///
 /// The code is 2 for an error in the arguments (`is_mistake`). For help the code is 0, or 2 when the write `printed`

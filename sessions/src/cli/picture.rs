@@ -23,6 +23,12 @@ pub(super) struct PictureArgs {
     /// FDI number of the tooth in the middle of the views buccal and lingual
     #[arg(long, value_name = "FDI")]
     tooth: Option<String>,
+    /// Turn of the patient's head to the patient's left, degrees, -45 to 45
+    #[arg(long, value_name = "DEG", allow_hyphen_values = true)]
+    head_turn: Option<String>,
+    /// Tilt of the patient's head with the chin upwards, degrees, -30 to 30
+    #[arg(long, value_name = "DEG", allow_hyphen_values = true)]
+    head_tilt: Option<String>,
     /// Size of the picture, pixels
     #[arg(long, value_name = "WxH", default_value = "1280x720")]
     size: String,
@@ -46,10 +52,15 @@ pub(super) fn run(args: &PictureArgs) -> anyhow::Result<ExitCode> {
         ("--view", &args.view),
         ("--size", &args.size),
     ];
-    for (name, value) in named
+    let given = [
+        ("--tooth", &args.tooth),
+        ("--head-turn", &args.head_turn),
+        ("--head-tilt", &args.head_tilt),
+    ];
+    let given = given
         .into_iter()
-        .chain(args.tooth.as_ref().map(|tooth| ("--tooth", tooth)))
-    {
+        .filter_map(|(name, value)| Some((name, value.as_ref()?)));
+    for (name, value) in named.into_iter().chain(given) {
         // Joined by the sign, so that a value cannot become an option.
         let mut argument = OsString::from(format!("{name}="));
         argument.push(value);

@@ -10,7 +10,9 @@ use crate::record::attach::Absence;
 use crate::record::bytes::hex;
 use crate::record::device::{DeviceFacts, Limits};
 use crate::record::format::Migration;
+use crate::record::message::Message;
 use crate::record::mode::Mode;
+use crate::record::person::PersonFacts;
 use crate::record::plan::PlanFacts;
 use crate::record::predecessor::Predecessor;
 use crate::record::read::{Ending, ReadError, Recording};
@@ -87,6 +89,8 @@ pub struct Info {
     pub attach_epoch: Option<u32>,
     /// Number of samples of devices.
     pub device_samples: u64,
+    /// Hand and finger rest that the screen told last; null without a screen.
+    pub person: Option<PersonFacts>,
     /// Gaps of the connection.
     pub absences: Vec<Absence>,
     /// Start of the session, nanoseconds since the Unix epoch.
@@ -117,6 +121,7 @@ pub fn info(path: &Path, recording: &Recording) -> Result<Info, ReadError> {
     let (from, to) = facts.times_unix_ns.unwrap_or_default();
     let duration_s = to.saturating_sub(from) as f64 * 1e-9;
     let sizes = sizes(recording, duration_s)?;
+    let (absences, person) = told(recording)?;
     // The header is stored once, however long the session is.
     let body = recording.len() - sizes.header_bytes;
     Ok(Info {
@@ -152,7 +157,8 @@ pub fn info(path: &Path, recording: &Recording) -> Result<Info, ReadError> {
         plan: header.plan.clone(),
         attach_epoch: header.attach_epoch,
         device_samples: facts.device_samples,
-        absences: Absence::all(recording)?,
+        person,
+        absences,
         started_unix_ns: header.started_unix_ns,
         ending: recording.ending().clone(),
         end: facts.end,
@@ -161,6 +167,18 @@ pub fn info(path: &Path, recording: &Recording) -> Result<Info, ReadError> {
         signature: verdict.signature,
         damaged_views: facts.damaged_views,
     })
+}
+
+/// Gaps of the connection, and settings of the student, in the log of a recording.
+fn told(recording: &Recording) -> Result<(Vec<Absence>, Option<PersonFacts>), ReadError> {
+    let (mut absences, mut person) = (Vec::new(), None);
+    for message in recording.messages() {
+        if let Message::Event(event) = message? {
+            Absence::hear(&mut absences, &event.text);
+            person = PersonFacts::hear(&event.text).or(person);
+        }
+    }
+    Ok((absences, person))
 }
 
 impl Info {
@@ -191,6 +209,13 @@ impl Info {
         }
         if let Some(plan) = &self.plan {
             writeln!(f, "  plan       {plan}")?;
+        }
+        if let Some(PersonFacts { hand, finger_rest }) = &self.person {
+            let [hand, rest] = [hand, finger_rest].map(|word| word.escape_debug());
+            writeln!(
+                f,
+                "  student    probe in the {hand} hand, finger rest: {rest}"
+            )?;
         }
         for Absence { from, to } in &self.absences {
             match to {

@@ -80,6 +80,7 @@ pub mod mode;
 pub mod naming;
 pub(crate) mod note;
 pub mod occurrence;
+pub mod person;
 pub mod plan;
 pub mod predecessor;
 pub mod program;

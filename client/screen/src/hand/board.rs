@@ -3,6 +3,7 @@
 use super::hands::{Hands, Steady};
 use super::keys::{Act, Control, TABLE, act};
 use super::motion::Motion;
+use super::pad::PadEvent;
 use super::spacenav::CapRule;
 use super::sticks::Sticks;
 
@@ -74,6 +75,26 @@ impl Board {
     /// Takes in the sticks of a gamepad.
     pub fn sticks(&self, sticks: &Sticks, hands: &mut Hands) {
         hands.deflect(Steady::Sticks, &sticks.deflection(&CapRule::sticks()));
+    }
+
+    /// Takes in an event of a gamepad. Returns whether the event belongs to the hands.
+    pub fn pad(&mut self, event: &PadEvent, hands: &mut Hands) -> bool {
+        match event {
+            PadEvent::Sticks(sticks) => {
+                self.sticks(sticks, hands);
+                true
+            }
+            PadEvent::Button(button, is_down) => {
+                let Some(control) = button.control() else {
+                    return false;
+                };
+                if *is_down {
+                    return self.press(control, hands);
+                }
+                self.release(control, hands);
+                true
+            }
+        }
     }
 
     /// Releases all keys and lets the hands go, as for a window that lost the focus.

@@ -21,6 +21,7 @@ pub mod keys;
 mod limits;
 mod motion;
 mod one;
+pub mod pad;
 mod pose;
 mod shared;
 mod smooth;

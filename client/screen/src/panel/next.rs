@@ -1,7 +1,7 @@
-//! Next step of the student, as one sentence that a teacher would speak.
+//! Next step of the student, in plain sentences that a teacher would speak.
 
 use super::state::{Help, Rating, Status, Tour};
-use super::words::{decimal, stop};
+use super::words::decimal;
 use crate::readings::Stop;
 use crate::strings::{Strings, fill};
 
@@ -12,8 +12,10 @@ pub enum Next {
     Wait,
     /// The tour has ended.
     End,
-    /// The probe goes to a stop; its least and greatest force, newtons, if prescribed.
-    GoTo(Stop, Option<[f64; 2]>),
+    /// The probe goes to a stop.
+    GoTo(Stop),
+    /// The tip is in a pocket and touches nothing; the stop.
+    SlideDown(Stop),
     /// The force is too light: least and greatest force, newtons.
     PressMore([f64; 2]),
     /// The force is right, and the depth is not entered yet.
@@ -46,28 +48,30 @@ impl Next {
         Some(match rated {
             Some((Rating::Light, zone)) => Self::PressMore(zone),
             Some((Rating::Right, _)) => Self::Read,
-            _ => Self::GoTo(stop, zone),
+            _ if help.depth_mm.is_some() => Self::SlideDown(stop),
+            _ => Self::GoTo(stop),
         })
     }
 
-    /// Sentence of the step.
+    /// Sentences of the step.
     pub fn sentence(&self, strings: &Strings) -> String {
         let words = &strings.steps;
         let newtons = |n: f64| decimal(n, 2, strings);
+        let place = |at: Stop| {
+            let site = strings.sites[at.site.number()];
+            fill(words.place, &[&at.tooth.to_string(), site])
+        };
         match *self {
             Self::Wait => words.wait.into(),
             Self::End => words.ended.into(),
-            Self::GoTo(at, None) => fill(words.go_to_free, &[&stop(at, strings)]),
-            Self::GoTo(at, Some([low, high])) => fill(
-                words.go_to,
-                &[&stop(at, strings), &newtons(low), &newtons(high)],
-            ),
+            Self::GoTo(at) => fill(words.go_to, &[&place(at)]),
+            Self::SlideDown(at) => fill(words.slide_down, &[&place(at)]),
             Self::PressMore([low, high]) => {
                 fill(words.press_more, &[&newtons(low), &newtons(high)])
             }
             Self::Read => words.read.into(),
             Self::PressLess(high) => fill(words.press_less, &[&newtons(high)]),
-            Self::Confirm(Some(at)) => fill(words.confirm, &[&stop(at, strings)]),
+            Self::Confirm(Some(at)) => fill(words.confirm, &[&place(at)]),
             Self::Confirm(None) => words.confirm_last.into(),
         }
     }
@@ -107,29 +111,72 @@ mod tests {
         let begins = |text: String, start: &str| assert!(text.starts_with(start), "{text}");
         begins(
             said(&readings, &status, 0.0),
-            "Tooth 36 buccal: walk the probe",
+            "Place the tip at 36, buccal. Let it slide down until you feel the floor.",
         );
         begins(
             said(&readings, &status, 0.1),
-            "A little more: 0.20 to 0.25 N",
+            "Press a little more on the floor, to between 0.20 and 0.25 newtons.",
         );
-        begins(said(&readings, &status, 0.21), "Good. Hold, read");
+        begins(
+            said(&readings, &status, 0.21),
+            "This force is right. Read the band at the margin",
+        );
         readings.press(Key::Digit(4));
         begins(
             said(&readings, &status, 0.21),
-            "Next key: Tooth 36 mesiobuccal",
+            "Confirm the depth. The next site is 36, mesiobuccal.",
         );
         begins(
             said(&readings, &status, 0.4),
-            "Too heavy. Ease off below 0.25 N",
+            "This is too heavy. Ease off below 0.25 newtons.",
         );
         readings.press(Key::Next);
         readings.press(Key::Digit(4));
-        begins(said(&readings, &status, 0.0), "Next key: end");
+        begins(
+            said(&readings, &status, 0.0),
+            "Confirm the depth. This was the last site.",
+        );
         readings.press(Key::Next);
-        begins(said(&readings, &status, 0.0), "All sites");
+        begins(said(&readings, &status, 0.0), "All sites are read.");
         status.paused_by_station = true;
-        begins(said(&readings, &status, 0.4), "Paused");
+        begins(said(&readings, &status, 0.4), "The session is paused.");
         assert_eq!(Next::of(None, &Help::default(), &Status::default()), None);
+    }
+
+    #[test]
+    fn a_tip_in_the_pocket_is_led_down_and_every_step_is_whole_sentences() {
+        let at = Stop {
+            tooth: 36,
+            site: Site::DistoBuccal,
+        };
+        let tour = Tour::of(&Readings::new(vec![at]), None);
+        let help = Help {
+            depth_mm: Some(1.2),
+            ..Help::default()
+        };
+        let next = Next::of(Some(&tour), &help, &Status::default());
+        assert_eq!(next, Some(Next::SlideDown(at)));
+        for next in [
+            Next::Wait,
+            Next::End,
+            Next::GoTo(at),
+            Next::SlideDown(at),
+            Next::PressMore([0.2, 0.25]),
+            Next::Read,
+            Next::PressLess(0.25),
+            Next::Confirm(Some(at)),
+            Next::Confirm(None),
+        ] {
+            let text = next.sentence(&ENGLISH);
+            assert!(
+                text.ends_with('.') && !text.contains(['{', ':', '(']),
+                "{text}"
+            );
+            for sentence in text.split_inclusive(". ") {
+                let first = sentence.chars().next().expect("a letter");
+                assert!(first.is_uppercase(), "{text}");
+                assert!(sentence.split_whitespace().count() <= 16, "{text}");
+            }
+        }
     }
 }

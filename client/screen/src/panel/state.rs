@@ -1,6 +1,7 @@
 //! Contents of the panel, as plain data.
 
 use super::trace::Trace;
+use crate::handed::Person;
 use crate::readings::{Draft, Entry, Field, Readings, Stop, Wrong};
 
 /// Least force of a contact, newtons. A gauge calls a smaller force "no contact". Chosen: a tenth of the lightest force
@@ -138,6 +139,8 @@ pub struct Status {
     pub paused_by_station: bool,
     /// Force limit of both sides, newtons; `None` for the scene's limit.
     pub force_limit_n: Option<f64>,
+    /// Settings of the person; `None` without any.
+    pub person: Option<Person>,
     /// Warnings, most important first.
     pub warnings: Vec<Warning>,
 }

@@ -59,6 +59,11 @@ pub fn items(status: &Status, detail: Detail, strings: &Strings) -> Vec<Item> {
         None => words.limit_of_scene.into(),
     };
     let mut items = vec![link, recording, pause, Item::plain(limit, Weight::Regular)];
+    items.extend(status.person.map(|person| {
+        let hand = words.hands[person.hand as usize];
+        let rest = words.rests[person.rest as usize];
+        Item::plain(fill(words.person, &[hand, rest]), Weight::Regular)
+    }));
     let [plain, low, lowest] = words.detail;
     let detail = match detail {
         Detail::Full => None,

@@ -1,6 +1,7 @@
 //! Layouts of whole panels, over sizes, scales and states.
 
 use super::*;
+use crate::handed::Person;
 use crate::readings::{Key, Readings, Site, Stop};
 use crate::strings::ENGLISH;
 use proptest::prelude::*;
@@ -43,6 +44,7 @@ fn full(mode: Mode) -> PanelState {
             paused_by_student: true,
             paused_by_station: true,
             force_limit_n: Some(2.75),
+            person: Some(Person::default()),
             warnings: vec![
                 Warning::NoForce("mouse".into()),
                 Warning::SlowPicture,
@@ -129,7 +131,7 @@ fn every_window_and_scale_holds_the_panel() {
                     mode == Mode::Practice || !all.contains("1.04 N"),
                     "{what}: {all}"
                 );
-                for practice in ["0.32 N 32 g", "heavy", "Depth 7.4 mm", "Paused. Keep"] {
+                for practice in ["0.32 N 32 g", "heavy", "Depth 7.4 mm", "The session"] {
                     assert_eq!(
                         all.contains(practice),
                         mode == Mode::Practice,

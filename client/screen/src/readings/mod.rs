@@ -9,11 +9,13 @@
 
 mod answer;
 mod entry;
+mod foot;
 mod key;
 pub mod number;
 pub mod pedal;
 mod place;
 mod site;
+mod switch;
 #[cfg(test)]
 mod tests;
 
@@ -21,10 +23,12 @@ pub use answer::{Field, Heard, Wrong};
 pub use entry::{
     Draft, Entry, MOST_ABOVE_MM, MOST_DEPTH_MM, MOST_FURCATION, MOST_RECESSION_MM, READING_CALLED,
 };
+pub use foot::{Foot, PedalUse};
 pub use key::Key;
 pub use pedal::{Pedal, PedalRule};
 pub use place::Place;
 pub use site::{Site, Stop};
+pub use switch::{MouseSwitch, Switch};
 
 /// Largest number of keys that can be taken back. Chosen: ten keys at each site of a whole mouth.
 const MOST_UNDONE: usize = 2000;

@@ -100,8 +100,13 @@ impl Pedal {
     /// once.
     pub fn down(&mut self, at_ms: u64) -> Vec<Key> {
         let keys = self.wait(at_ms);
-        self.down_since.get_or_insert(at_ms);
+        self.press(at_ms);
         keys
+    }
+
+    /// Takes in a press at `at_ms` without an end of the group before. [`Pedal::wait`] alone then ends groups.
+    pub fn press(&mut self, at_ms: u64) {
+        self.down_since.get_or_insert(at_ms);
     }
 
     /// Takes in a release at `at_ms`. The keys of the group come from [`Pedal::wait`].
@@ -144,6 +149,12 @@ impl Pedal {
         let mut meant = rows.filter(|row| (row.short, row.long) == (short, long));
         keys.extend(meant.next().map(|row| row.key));
         keys
+    }
+
+    /// Forgets the group of presses so far, as for a window that lost the focus.
+    pub fn let_go(&mut self) {
+        self.down_since = None;
+        (self.short, self.long) = (0, 0);
     }
 }
 

@@ -91,17 +91,19 @@ pub struct LessonWords {
 /// Sentences of the next step, as a teacher speaks them.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Steps {
-    /// Way to a site: 0 is the stop, 1 the least and 2 the greatest force in newtons.
+    /// Tooth and site within a sentence: 0 is the number, 1 the name of the site.
+    pub place: &'static str,
+    /// Way to a site: 0 is the place.
     pub go_to: &'static str,
-    /// Way to a site without a prescribed force: 0 is the stop.
-    pub go_to_free: &'static str,
+    /// The tip is in a pocket: 0 is the place.
+    pub slide_down: &'static str,
     /// The force is light: 0 and 1 are least and greatest force.
     pub press_more: &'static str,
     /// The force is right.
     pub read: &'static str,
     /// The force is heavy: 0 is the greatest force.
     pub press_less: &'static str,
-    /// A depth was entered: 0 is the next stop.
+    /// A depth was entered: 0 is the next place.
     pub confirm: &'static str,
     /// A depth was entered at the last stop.
     pub confirm_last: &'static str,
@@ -186,6 +188,12 @@ pub struct StatusWords {
     pub limit_of_scene: &'static str,
     /// Picture in less detail: plain, low, lowest.
     pub detail: [&'static str; 3],
+    /// Settings of the person: 0 is the hand, 1 the finger rest.
+    pub person: &'static str,
+    /// Hand of the probe, in the order of [`crate::handed::Handed::ALL`].
+    pub hands: [&'static str; 2],
+    /// Finger rest, in the order of [`crate::handed::FingerRest::ALL`].
+    pub rests: [&'static str; 3],
     /// No force is displayed: 0 is the device.
     pub no_force: &'static str,
     /// The picture is late.
