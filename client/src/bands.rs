@@ -96,7 +96,7 @@ impl Show for Taught {
         }
     }
 
-    fn is_over(&self) -> bool {
+    fn is_over(&mut self) -> bool {
         false
     }
 }

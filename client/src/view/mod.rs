@@ -2,29 +2,35 @@
 //!
 //! The window has the main thread, the session a thread of its own. They exchange the newest state and the acts of the
 //! person without waiting. A window that cannot open, or that is closed, ends nothing: the exercise and its force go
-//! on.
+//! on. After the session the window stays and shows its end.
 
 mod live;
 mod on_screen;
+mod pupil;
+mod replay;
+mod staying;
 mod watched;
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::mpsc::{SyncSender, sync_channel};
+use std::sync::mpsc::{SyncSender, channel, sync_channel};
 
 use anyhow::anyhow;
 use sulcus_connection::device::EventDevice;
 use sulcus_connection::link::LinkConfig;
-use sulcus_demo::seat::{Begun, Screen, Seat};
+use sulcus_demo::seat::{Begun, Ending, Screen, Seat};
 use sulcus_program::tell;
 use sulcus_screen::hand::Shared;
 use sulcus_screen::quality::Quality;
+use sulcus_screen::show::Show;
 use sulcus_screen::views::View;
 use sulcus_screen::window::{self, Report, Settings};
 
 use crate::cli::ViewArgs;
 use live::Live;
 use on_screen::OnScreen;
+use pupil::Pupil;
+use staying::Staying;
 use watched::{Eyes, Watched};
 
 /// Facts of a session that its window needs.
@@ -105,6 +111,8 @@ pub fn beside(
             .map_err(|error: String| anyhow!("--glass: {error}"))?,
     };
     let (seat_in, seated) = sync_channel::<Seated>(1);
+    let (pages_in, pages) = channel();
+    let stays = !args.close_at_end;
     let closed = Arc::new(AtomicBool::new(false));
     let over = Arc::new(AtomicBool::new(false));
     std::thread::scope(|scope| {
@@ -117,9 +125,15 @@ pub fn beside(
                 let take = |begun: &Begun<'_>, device: Box<dyn EventDevice>| {
                     take(begun, device, closed.clone(), &seat_in)
                 };
+                let end = |ending: &Ending<'_>| {
+                    if stays {
+                        staying::send(ending, &pages_in);
+                    }
+                };
                 let screen = Screen {
                     device: args.mouse.then_some(on_screen::NAME),
                     take: &take,
+                    ended: &end,
                 };
                 let result = session(Some(screen));
                 ended.store(true, Ordering::Release);
@@ -128,8 +142,17 @@ pub fn beside(
             })?;
         // A session that never begins drops its end.
         if let Ok(seated) = seated.recv() {
+            let is_lesson = seated.facts.title == sulcus_demo::lesson::NAME;
             match Live::new(seated, over.clone()) {
-                Ok(live) => report(args, window::run(Box::new(live), settings), &over),
+                Ok(live) => {
+                    let ends = args.mouse.then(|| closed.clone());
+                    let show: Box<dyn Show> = match stays {
+                        _ if is_lesson => Box::new(Pupil::new(live)),
+                        true => Box::new(Staying::new(live, pages, over.clone(), ends)),
+                        false => Box::new(live),
+                    };
+                    report(args, window::run(show, settings), &over);
+                }
                 Err(error) => {
                     tell!("warning: no window: {error}; the exercise goes on without pictures")
                 }
