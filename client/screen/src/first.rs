@@ -15,7 +15,7 @@ const MARK_MM: [f64; 2] = [5.0, 13.0];
 const NEAR_MM: f64 = 3.0;
 /// Time at the mark, and time of a soft contact, seconds.
 const HOLD_S: f64 = 1.0;
-const TOUCH_S: f64 = 0.6;
+const TOUCH_S: f64 = 1.0;
 /// Force of a soft contact, newtons. Probing is taught at 0.2 N; a hand without feeling needs more room.
 const SOFT_N: [f64; 2] = [0.03, 0.6];
 /// Largest distance of the tip from a charted site in a contact with the crown, mm.
@@ -287,7 +287,7 @@ mod tests {
             ..REST
         };
         let mut press = |seen: Seen| {
-            let found = (0..60).find_map(|_| lesson.see(&seen));
+            let found = (0..90).find_map(|_| lesson.see(&seen));
             (found, lesson.is_heavy())
         };
         assert_eq!(press(touch(0.9, 3.0)), (None, true));

@@ -2,6 +2,7 @@
 
 mod display;
 mod lesson;
+mod pages;
 
 use std::process::{Child, Command, Output, Stdio};
 use std::time::{Duration, Instant};
