@@ -97,7 +97,7 @@ impl Show for Taught {
         }
     }
 
-    fn is_over(&self) -> bool {
+    fn is_over(&mut self) -> bool {
         false
     }
 }

@@ -32,7 +32,9 @@ Examples:
   sulcus-client run --server 192.0.2.7:4433 --ticket TOKEN.FINGERPRINT --exercise probing --readings
   sulcus-client swarm --stations 8 --duration 60 --replay
   sulcus-client bands --count 20
+  sulcus-client lesson
   sulcus-client picture --exercise bimanual --at 20 --view buccal --out picture.png
+  sulcus-client picture --recording session.mcap --from 12 --to 15 --fps 25 --out 'frames/%05d.png'
 
 Ctrl-C ends the session with a stop; a second Ctrl-C ends the program at once.
 Logs go to standard error. SULCUS_LOG=debug prints more; the default is SULCUS_LOG=warn.
@@ -52,14 +54,63 @@ pub enum Command {
     /// Run simulated hands on many stations at once, and measure the load of the machine
     #[command(after_long_help = EXAMPLES)]
     Swarm(SwarmArgs),
-    /// Draw an instant of an exercise or of a recording, or a scene at rest, into a PNG file, without a display. Needs
-    /// a build with `--features view`
+    /// Draw instants of an exercise or of a recording, or a scene at rest, into PNG files, without a display. Needs a
+    /// build with `--features view`
     #[command(after_long_help = EXAMPLES)]
     Picture(PictureArgs),
     /// Lesson in reading the bands of a probe: a window shows a probe in a pocket and asks for the depth. Needs a build
     /// with `--features view`
     #[command(after_long_help = EXAMPLES)]
     Bands(BandsArgs),
+    /// First lesson with mouse and keyboard, without an instructor: hold the probe, touch a tooth, read a band, walk along
+    /// a margin. The session is recorded. Needs a build with `--features view`
+    #[command(after_long_help = EXAMPLES)]
+    Lesson(LessonArgs),
+}
+
+/// Arguments of `lesson`.
+#[derive(Clone, Debug, Args)]
+pub struct LessonArgs {
+    /// Folder for the recording. A missing folder is created
+    #[arg(long, value_name = "DIR", default_value = "recordings")]
+    pub recordings: PathBuf,
+    /// Quality of the window: full, plain, low, lowest. Default: as for `demo --view`
+    #[arg(long, value_name = "NAME")]
+    pub quality: Option<String>,
+    /// Print one JSON object as the last line of standard output
+    #[arg(long)]
+    pub json: bool,
+}
+
+impl LessonArgs {
+    /// The same session as a demo with a window and a mouse.
+    ///
+    /// # Errors
+    /// A name of the options does not exist. The tests exclude this.
+    pub fn demo(&self) -> Result<WithView<DemoArgs>, clap::Error> {
+        let mut arguments: Vec<std::ffi::OsString> = [
+            "sulcus-client",
+            "demo",
+            "--view",
+            "--mouse",
+            "--close-at-end",
+            "--exercise=lesson",
+            "--recordings",
+        ]
+        .map(Into::into)
+        .to_vec();
+        arguments.push(self.recordings.clone().into());
+        arguments.extend(
+            self.quality
+                .iter()
+                .map(|name| format!("--quality={name}").into()),
+        );
+        arguments.extend(self.json.then(|| "--json".into()));
+        match Cli::try_parse_from(arguments)?.command {
+            Some(Command::Demo(args)) => Ok(args),
+            _ => Err(clap::Error::new(clap::error::ErrorKind::InvalidSubcommand)),
+        }
+    }
 }
 
 /// Arguments of `bands`.
@@ -104,9 +155,21 @@ pub struct PictureArgs {
     /// Seed of the generated patient. Default: the scene's patient
     #[arg(long, value_name = "N")]
     pub patient_seed: Option<u64>,
-    /// Time in the session, seconds, 0 to 3600
-    #[arg(long, value_name = "S", default_value_t = 0.0, value_parser = instant)]
-    pub at: f64,
+    /// Time in the session, seconds, 0 to 3600. May be given several times. Default: 0
+    #[arg(long, value_name = "S", value_parser = instant, conflicts_with_all = ["from", "list"])]
+    pub at: Vec<f64>,
+    /// First time of a sequence of pictures, seconds
+    #[arg(long, value_name = "S", value_parser = instant, requires = "to", conflicts_with = "list")]
+    pub from: Option<f64>,
+    /// Last time of the sequence, seconds
+    #[arg(long, value_name = "S", value_parser = instant, requires = "from")]
+    pub to: Option<f64>,
+    /// Pictures of the sequence for each second, 0.01 to 240. Default: 25
+    #[arg(long, value_name = "N", value_parser = fps, requires = "from")]
+    pub fps: Option<f64>,
+    /// File with a line for each picture: seconds, view, tooth or `-`, file of the picture. One replay serves all
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["view", "tooth", "out"])]
+    pub list: Option<PathBuf>,
     /// View: overview, front, buccal, lingual, mirror, close-up
     #[arg(long, value_name = "NAME", default_value = "overview")]
     pub view: String,
@@ -163,9 +226,9 @@ pub struct PictureArgs {
     /// Leave out the instruments
     #[arg(long)]
     pub no_tools: bool,
-    /// File of the picture
-    #[arg(long, value_name = "FILE.png")]
-    pub out: PathBuf,
+    /// File of the picture. For several pictures the name has a place for their numbers, such as %05d
+    #[arg(long, value_name = "FILE.png", required_unless_present = "list")]
+    pub out: Option<PathBuf>,
 }
 
 /// Time in a session on the command line, seconds.
@@ -174,6 +237,16 @@ fn instant(text: &str) -> Result<f64, String> {
         Ok(s) if (0.0..=3600.0).contains(&s) => Ok(s),
         _ => Err(format!(
             "`{text}` is not a number of seconds from 0 to 3600"
+        )),
+    }
+}
+
+/// Pictures for each second on the command line.
+fn fps(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(fps) if (0.01..=240.0).contains(&fps) => Ok(fps),
+        _ => Err(format!(
+            "`{text}` is not a number of pictures for each second from 0.01 to 240"
         )),
     }
 }
@@ -221,7 +294,7 @@ pub struct ViewArgs {
     #[arg(long, value_name = "NAME", requires = "view")]
     pub quality: Option<String>,
     /// Move the tools with mouse and keyboard, or a 3D mouse of spacenavd, instead of the simulated operator. There is
-    /// no force. The space bar takes the tool and holds it still again; closing the window ends the session. Builds
+    /// no force. The space bar takes the tool and holds it still again; F10 or closing the window ends the session. Builds
     /// with `--features gamepad` or `hid` take a gamepad, or a 3D mouse without spacenavd
     #[arg(long, requires = "view")]
     pub mouse: bool,
@@ -252,6 +325,10 @@ pub struct ViewArgs {
     /// Play the sound of contact with teeth and soft tissue by `paplay` or `aplay`, whichever is installed
     #[arg(long, requires = "view")]
     pub sound: bool,
+    /// Close the window when the session ends. Otherwise the window stays: after practice it shows score, advice and
+    /// the worst finding in a loop, until Escape or F10
+    #[arg(long, requires = "view")]
+    pub close_at_end: bool,
     /// Print frame age and frame time of the window at the end
     #[arg(long, requires = "view")]
     pub stats: bool,
@@ -321,6 +398,18 @@ mod tests {
     #[test]
     fn the_command_line_is_consistent() {
         Cli::command().debug_assert();
+    }
+
+    #[test]
+    fn a_lesson_is_a_demo_by_mouse_in_a_window() {
+        let parsed = Cli::parse_from(["sulcus-client", "lesson", "--quality", "low", "--json"]);
+        let Some(Command::Lesson(lesson)) = parsed.command else {
+            panic!("lesson")
+        };
+        let demo = lesson.demo().expect("arguments of a demo");
+        assert!(demo.view.view && demo.view.mouse && demo.session.json);
+        assert_eq!(demo.session.exercise, sulcus_demo::lesson::NAME);
+        assert_eq!(demo.view.quality.as_deref(), Some("low"));
     }
 
     #[test]

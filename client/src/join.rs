@@ -10,7 +10,7 @@ use sulcus_connection::link::{Link, LinkConfig, Pin};
 use sulcus_connection::perform::perform;
 use sulcus_connection::progress::Steps;
 use sulcus_demo::exercise;
-use sulcus_demo::seat::{self, Seat, taken};
+use sulcus_demo::seat::{self, Ending, Seat, taken};
 use sulcus_demo::simulated::Simulated;
 use sulcus_program::{PathText, say, tell};
 use sulcus_proto::control::EndReason;
@@ -78,7 +78,11 @@ pub fn run_at(args: &RunArgs, seat: Seat<'_>) -> anyhow::Result<u8> {
     } else {
         taken(seat, &config, &link, &prepared.exercise, device)
     };
+    let mode = link.hello().plan.mode.clone();
     let ran = perform(link, device, prepared.ticks, None, &steps)?;
+    if let Some(screen) = seat.filter(|_| ran.goodbye.is_ok()) {
+        (screen.ended)(&Ending::Elsewhere(&mode));
+    }
     let summary = ran.goodbye.as_ref().ok().map(|goodbye| &goodbye.summary);
     if args.json {
         let text = ran

@@ -54,6 +54,10 @@ pub fn run() -> ExitCode {
         Some(cli::Command::Swarm(args)) => (sulcus_demo::swarm::run(&args), args.json),
         Some(cli::Command::Picture(args)) => (picture(&args), false),
         Some(cli::Command::Bands(args)) => (bands(&args), args.json),
+        Some(cli::Command::Lesson(args)) => {
+            let session = args.demo().map_err(anyhow::Error::from);
+            (session.and_then(|session| demo(&session)), args.json)
+        }
     };
     output::settle(ended(done, json).into())
 }

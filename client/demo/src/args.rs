@@ -51,6 +51,10 @@ pub struct DemoArgs {
     /// prints depths and grade for practice only
     #[arg(long, value_enum, default_value_t)]
     pub mode: Mode,
+    /// Draw the findings that cost points into the student's page, at most six. Needs a build of this program with
+    /// `--features view`, and one more replay
+    #[arg(long)]
+    pub pictures: bool,
     /// Print one JSON object as the last line of standard output
     #[arg(long)]
     pub json: bool,
@@ -109,6 +113,7 @@ impl Default for DemoArgs {
             recordings: "recordings".into(),
             learner: String::new(),
             mode: Mode::default(),
+            pictures: false,
             json: false,
         }
     }

@@ -3,8 +3,12 @@
 use std::path::{Path, PathBuf};
 
 use sulcus_cases::{Chart, Measures, Observer};
+use sulcus_program::tell;
+use sulcus_sessions::cli::drawn;
 use sulcus_sessions::exercise::events::Tally;
 use sulcus_sessions::grade::{Grade, Graded, Standard, finish, run};
+use sulcus_sessions::pages::Pictures;
+use sulcus_sessions::pages::instants::{Instant, instants};
 use sulcus_sessions::{
     Exercise, Mode, Recording, ReplayOptions, ReplayReport, Signature, replay_observed,
 };
@@ -39,6 +43,8 @@ pub struct Checked {
     pub calls: Vec<Called>,
     /// Grade; `None` for an exercise without a rubric.
     pub grade: Option<Grade>,
+    /// Instant of the worst finding that cost points; `None` without such a finding.
+    pub worst: Option<Instant>,
     /// Path of the student's page, or the reason why it could not be written. `None` without a grade, and in a mode
     /// other than practice.
     pub page: Option<Result<PathBuf, String>>,
@@ -98,9 +104,17 @@ impl Checked {
 /// Replays and grades the recording at `path`. In practice the student's page is written beside the recording.
 ///
 /// # Errors
+/// The errors of [`with`].
+pub fn check(path: &Path, steps: &Steps) -> anyhow::Result<Checked> {
+    with(path, false, steps)
+}
+
+/// The same; with `pictures` the page has pictures of the findings.
+///
+/// # Errors
 /// The recording or its scene, exercise or rubric cannot be read. A page that cannot be written is no error: see
 /// [`Checked::page`].
-pub fn check(path: &Path, steps: &Steps) -> anyhow::Result<Checked> {
+pub fn with(path: &Path, pictures: bool, steps: &Steps) -> anyhow::Result<Checked> {
     let recording = Recording::open(path)?;
     let scene = recording.scene()?;
     let (mut observer, mut chart) = (Observer::new(&scene), Chart::default());
@@ -144,7 +158,14 @@ pub fn check(path: &Path, steps: &Steps) -> anyhow::Result<Checked> {
     let mode = recording.header().mode;
     let shown = mode.unwrap_or_default() == Mode::Practice;
     let page = graded.as_ref().filter(|_| shown);
-    let page = page.map(|graded| page::write(path, mode, graded));
+    let page = page.map(|graded| {
+        let pictures = pictures.then(|| drawn::findings(path, graded));
+        if let Some(Pictures::Missing(why)) = &pictures {
+            tell!("warning: no pictures of the findings: {why}");
+        }
+        page::write(path, mode, graded, pictures.as_ref())
+    });
+    let worst = graded.as_ref().and_then(|graded| instants(graded, 1).pop());
     let called = run::Log::read(&recording, &scene)?.calls;
     Ok(Checked {
         report,
@@ -158,6 +179,7 @@ pub fn check(path: &Path, steps: &Steps) -> anyhow::Result<Checked> {
             .filter_map(|(_, call)| Called::of(call, &scene))
             .collect(),
         grade: graded.map(|graded| graded.grade),
+        worst,
         page,
         yields: scene.yields(),
         bytes,

@@ -19,6 +19,7 @@ use sulcus_scene::BuiltIn;
 use sulcus_sessions::exercise::Kind;
 use sulcus_sessions::{Events, Exercise, Mode, Rubric};
 
+use crate::lesson;
 use sulcus_connection::progress::Steps;
 
 /// Request for an exercise.
@@ -211,6 +212,9 @@ pub fn find(name: &str) -> anyhow::Result<Exercise> {
     if name.ends_with(".toml") {
         return Ok(Exercise::open(Path::new(name))?);
     }
+    if name == lesson::NAME {
+        return Ok(lesson::exercise());
+    }
     let found = Exercise::built_in()
         .into_iter()
         .find(|one| one.name == name);
@@ -281,7 +285,10 @@ pub fn prepare(asked: &Asked<'_>, steps: &Steps) -> anyhow::Result<Prepared> {
         warnings = compiled.warnings;
         patient = compiled.patient.unwrap_or_default();
         at_rate(&mut compiled.scene, asked.rate_hz)?;
-        let script = script(&compiled.scene, &exercise, habit, asked.hand_seed)?;
+        let script = match name {
+            lesson::NAME => lesson::script(&compiled.scene),
+            _ => script(&compiled.scene, &exercise, habit, asked.hand_seed)?,
+        };
         (compiled.scene, script, HandParams::default())
     };
     let too_stiff = too_stiff(&scene);

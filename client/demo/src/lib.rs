@@ -10,6 +10,7 @@ pub mod args;
 pub mod calls;
 pub mod check;
 pub mod exercise;
+pub mod lesson;
 #[cfg(feature = "embedded")]
 pub mod live;
 pub mod lockstep;
@@ -135,7 +136,7 @@ fn run_virtual(
 ) -> anyhow::Result<DemoSummary> {
     let key = StationKey::load_or_create(&StationKey::default_path()?)?;
     let ran = lockstep::run(prepared, args.hand_seed(), &args.recordings, key, steps)?;
-    let checked = check::check(&ran.recording, steps)?;
+    let checked = check::with(&ran.recording, args.pictures, steps)?;
     let (page, page_error) = either(checked.page.clone());
     Ok(DemoSummary {
         recording: ran.recording,

@@ -11,7 +11,7 @@ use sulcus_server::{Exercise, Server, ServerConfig, SessionPlan, StationConfig};
 use crate::args::DemoArgs;
 use crate::check;
 use crate::exercise::Prepared;
-use crate::seat::{self, Seat, taken};
+use crate::seat::{self, Ending, Seat, taken};
 use crate::simulated::Simulated;
 use crate::summary::{DemoSummary, PassivitySummary};
 use sulcus_connection::link::{Link, LinkConfig};
@@ -80,10 +80,21 @@ pub fn run(
             summary.rows_dropped
         );
     }
-    let checked = check::check(&recording, steps)?;
+    if let Some(screen) = seat {
+        (screen.ended)(&Ending::Replaying);
+    }
+    let checked = check::with(&recording, args.pictures, steps)?;
     // The wire carries no readings of pockets. The lines therefore come from the replay.
     for line in &checked.zones {
         tell!("{line}");
+    }
+    if let Some(screen) = seat {
+        (screen.ended)(&Ending::Replayed {
+            recording: &recording,
+            mode: args.mode,
+            grade: checked.grade.as_ref(),
+            worst: checked.worst.as_ref(),
+        });
     }
     let (page, page_error) = crate::either(checked.page.clone());
     Ok(DemoSummary {

@@ -6,15 +6,21 @@ use sulcus_program::{PathText, disk};
 use sulcus_sessions::Mode;
 use sulcus_sessions::grade::Graded;
 use sulcus_sessions::grade::class::{Session, Shown};
-use sulcus_sessions::pages::{Look, Numbering, student_page};
+use sulcus_sessions::pages::{Look, Numbering, Pictures, student_page};
 
 /// Writes the student's page of a graded session, and returns its path: that of the recording, with the ending `.html`.
 ///
-/// `recorded` is the mode in the recording's header; `None` counts as the default mode.
+/// `recorded` is the mode in the recording's header; `None` counts as the default mode. `pictures` are those of the
+/// findings, if they were asked for.
 ///
 /// # Errors
 /// The file cannot be written. The message is one sentence that names the file.
-pub fn write(recording: &Path, recorded: Option<Mode>, graded: &Graded) -> Result<PathBuf, String> {
+pub fn write(
+    recording: &Path,
+    recorded: Option<Mode>,
+    graded: &Graded,
+    pictures: Option<&Pictures>,
+) -> Result<PathBuf, String> {
     let name = recording.file_name().unwrap_or(recording.as_os_str());
     let session = Session {
         file: Path::new(name).shown().to_string(),
@@ -33,7 +39,7 @@ pub fn write(recording: &Path, recorded: Option<Mode>, graded: &Graded) -> Resul
         truth: false,
     };
     let path = recording.with_extension("html");
-    std::fs::write(&path, student_page(&session, graded, &look)).map_err(|error| {
+    std::fs::write(&path, student_page(&session, graded, &look, pictures)).map_err(|error| {
         format!(
             "cannot write the page `{}`: {error}{}",
             path.shown(),

@@ -1,9 +1,12 @@
 //! Seat of a session: the place of a screen between a device and its link.
 
+use std::path::Path;
+
 use sulcus_connection::device::EventDevice;
 use sulcus_connection::link::{Link, LinkConfig};
 use sulcus_proto::control::ServerHello;
-use sulcus_sessions::Exercise;
+use sulcus_sessions::pages::instants::Instant;
+use sulcus_sessions::{Exercise, Grade, Mode};
 
 /// A session before its first period.
 pub struct Begun<'a> {
@@ -28,6 +31,28 @@ pub struct Screen<'a> {
     pub device: Option<&'static str>,
     /// Returns a device that shows what it exchanges.
     pub take: &'a Taker<'a>,
+    /// Takes the end of the session. A session that ends with an error has no such end.
+    pub ended: &'a dyn Fn(&Ending<'_>),
+}
+
+/// End of a session, for its screen.
+#[derive(Clone, Copy, Debug)]
+pub enum Ending<'a> {
+    /// The hands have ended, and the recording is being replayed.
+    Replaying,
+    /// The recording has been replayed.
+    Replayed {
+        /// Path of the recording.
+        recording: &'a Path,
+        /// Purpose of the session.
+        mode: Mode,
+        /// Grade; `None` for an exercise without a rubric.
+        grade: Option<&'a Grade>,
+        /// Worst finding that cost points; `None` without such a finding.
+        worst: Option<&'a Instant>,
+    },
+    /// The recording is at a server elsewhere. The text is the mode of the session.
+    Elsewhere(&'a str),
 }
 
 /// Name of the device that performs a session.

@@ -2,6 +2,7 @@
 //!
 //! - [`stage::Stage`] holds the meshes of a display scene, [`moment::Moment`] everything that moves at an instant,
 //!   [`camera::Camera`] the view. The module `gpu` draws them by a graphics adapter, hardware or software.
+//! - [`first`] finds the steps of a first lesson.
 //! - [`panel`] lays out gauges and texts, [`readings`] takes findings by keys and pedals, [`trainer`] is a lesson in
 //!   reading the bands of a probe. [`hand`] moves the tools without a force device. These modules draw nothing and know
 //!   no window.
@@ -15,6 +16,7 @@ mod coarse;
 pub mod depth;
 pub mod error;
 pub mod eye;
+pub mod first;
 #[cfg(all(feature = "window", target_os = "linux"))]
 mod gone;
 #[cfg(feature = "gpu")]

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use sulcus_proto::display::{DisplayScene, SceneHash};
 
+use crate::camera::Vector;
 use crate::hand::Shared;
 use crate::head::Head;
 use crate::moment::Moment;
@@ -28,6 +29,11 @@ pub trait Show {
         None
     }
 
+    /// Place to which the picture points, mm. Without one the picture points at the site to be read.
+    fn mark(&mut self) -> Option<Vector> {
+        None
+    }
+
     /// Takes an act of the person at the window.
     fn act(&mut self, act: Act);
 
@@ -36,8 +42,23 @@ pub trait Show {
         None
     }
 
+    /// View that the content asks for, with the tooth in its middle. Each view is asked for once.
+    fn wanted_view(&mut self) -> Option<(View, Option<u8>)> {
+        None
+    }
+
+    /// Whether the hands have nothing left to move.
+    fn hands_are_done(&self) -> bool {
+        false
+    }
+
+    /// The person asks to leave the window. Returns whether the window closes now.
+    fn leaves(&mut self) -> bool {
+        true
+    }
+
     /// Whether the session has ended and the window is to close.
-    fn is_over(&self) -> bool;
+    fn is_over(&mut self) -> bool;
 }
 
 /// Act of the person at the window.

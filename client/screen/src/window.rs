@@ -202,7 +202,9 @@ impl ApplicationHandler for Application {
                 let is_clutch =
                     self.hands.is_some() && event.logical_key == WindowKey::Named(NamedKey::Space);
                 if is_pressed && event.logical_key == WindowKey::Named(NamedKey::F10) {
-                    event_loop.exit();
+                    if self.show.leaves() {
+                        event_loop.exit();
+                    }
                 } else if is_pressed && !is_hands && !is_clutch {
                     self.key(&event.logical_key, event.repeat);
                 }
@@ -270,6 +272,10 @@ impl ApplicationHandler for Application {
         if self.show.is_over() {
             return event_loop.exit();
         }
+        if self.hands.is_some() && self.show.hands_are_done() {
+            self.hands = None;
+            self.grab();
+        }
         self.poll();
         if let Some(opened) = self.opened.as_ref().filter(|_| Instant::now() >= self.next) {
             self.next = Instant::now() + opened.period;
@@ -324,6 +330,10 @@ impl Application {
         let Some((hash, scene)) = self.show.scene() else {
             return;
         };
+        if let Some((view, tooth)) = self.show.wanted_view() {
+            self.eye.tooth = tooth;
+            self.eye.choose(view);
+        }
         let level = opened.governor.level();
         if self.drawn != Some(hash) || !opened.screen.is_ready(level) {
             let stage = Stage::new(&scene, level.looks().merged_um);
@@ -356,8 +366,9 @@ impl Application {
             list = overlay;
         } else if self.has_panel {
             let stop = state.tour.as_ref().and_then(|tour| tour.stop);
-            if let Some(place) = stop.and_then(|stop| Place::of(stop, &scene)) {
-                let place = millimetres(place.at);
+            let site = stop.and_then(|stop| Place::of(stop, &scene));
+            let site = site.map(|place| millimetres(place.at));
+            if let Some(place) = self.show.mark().or(site) {
                 list = pointer(&camera.pass(), &place, [width, height], scale);
             }
             list.extend(layout(&state, [width, height], scale, &ENGLISH).list);

@@ -1,4 +1,4 @@
-//! Follower of ticks: keeps the shapes, and makes the instant of a picture.
+//! Follower of ticks: keeps the shapes, and makes the instants of pictures.
 
 use sulcus_core::{Scene, TickOutput, Workspace};
 use sulcus_display::{Display, Frames};
@@ -32,8 +32,13 @@ impl<'a> Follower<'a> {
         }
     }
 
-    /// Takes a tick. `is_shown`: the tick of the picture.
-    pub fn tick(&mut self, output: &TickOutput, workspace: &Workspace, is_shown: bool) {
+    /// Takes a tick. `is_shown`: the tick has a picture. Its instant is returned.
+    pub fn tick(
+        &mut self,
+        output: &TickOutput,
+        workspace: &Workspace,
+        is_shown: bool,
+    ) -> Option<&Moment> {
         for event in self.events.take(self.scene, output, None) {
             self.frames.occurred(&event);
         }
@@ -45,10 +50,6 @@ impl<'a> Follower<'a> {
             let frame = self.frames.frame(self.display, output, false, &self.moved);
             self.moment = Moment::of(self.display.scene(), &frame);
         }
-    }
-
-    /// Instant of the shown tick; the scene at rest before it.
-    pub fn moment(self) -> Moment {
-        self.moment
+        is_shown.then_some(&self.moment)
     }
 }

@@ -1,89 +1,58 @@
-//! `picture`: an instant of an exercise or of a recording, or a scene at rest, as a PNG file.
+//! `picture`: instants of an exercise or of a recording, or a scene at rest, as PNG files.
+//!
+//! One run draws all its pictures in one pass through the session.
 
+mod album;
 mod follower;
+mod shots;
 
 use std::path::Path;
 
-use anyhow::{Context, anyhow, bail};
+use anyhow::Context;
 use sulcus_connection::progress::Steps;
 use sulcus_core::{NoProbe, Scene, State, TickInput, TickOutput, Workspace, tick};
 use sulcus_demo::exercise::{self, Asked};
 use sulcus_demo::lockstep::as_sent;
 use sulcus_display::Display;
 use sulcus_operator::{Operator, Shown};
-use sulcus_program::{PathText, say, tell};
+use sulcus_program::{PathText, tell};
 use sulcus_scene::BuiltIn;
-use sulcus_screen::gpu::{Backend, Drawing, Graphics, Mode, Renderer};
-use sulcus_screen::handed::Handed;
-use sulcus_screen::head::Head;
-use sulcus_screen::material::Glass;
+use sulcus_screen::gpu::{Backend, Graphics};
 use sulcus_screen::moment::Moment;
-use sulcus_screen::quality::Quality;
-use sulcus_screen::stage::Stage;
-use sulcus_screen::views::View;
 use sulcus_sessions::{Exercise, Recording, ReplayOptions, Span, replay_observed};
 
 use crate::cli::PictureArgs;
-use follower::Follower;
+use album::Album;
+pub(crate) use follower::Follower;
+use shots::Shots;
 
 /// Exercise of a picture without a scene.
 const USUAL: &str = "bimanual";
 
-/// Draws the picture and writes the file. Returns the exit code 0.
+/// Draws the pictures and writes the files. Returns the exit code 0.
 ///
 /// # Errors
 /// An unknown name, a scene that cannot be compiled, no graphics adapter, or a file that cannot be written.
 pub fn run(args: &PictureArgs) -> anyhow::Result<u8> {
     let steps = Steps;
-    let named = |error: String| anyhow!(error);
-    let view: View = args.view.parse().map_err(named).context("--view")?;
-    let quality: Quality = args.quality.parse().map_err(named).context("--quality")?;
-    let glass: Glass = args.glass.parse().map_err(named).context("--glass")?;
-    let hand: Handed = args.hand.parse().map_err(named).context("--hand")?;
-    let head = Head::new(args.head_turn, args.head_tilt).map_err(named)?;
-    let (display, mut moment) = instant(args, &steps)?;
-    if args.no_tools {
-        for tool in &mut moment.tools {
-            tool.held = false;
-        }
-    }
+    let shots = Shots::of(args)?;
+    // Before the replay: without an adapter it would be in vain.
     let graphics = Graphics::headless(Backend::Any)?;
     tell!("graphics adapter: {}", graphics.name());
-    let stage = Stage::new(display.scene(), quality.looks().merged_um);
-    let [width, height] = args.size;
-    let aspect = f64::from(width) / f64::from(height);
-    let camera = view.camera_of(hand, display.scene(), &moment, args.tooth, aspect);
-    let (turn, tilt) = (args.turn.to_radians(), args.tilt.to_radians());
-    let camera = head.seen(&camera.orbited(turn, tilt, 1.0).magnified(args.zoom));
-    let triangles = stage.triangles();
-    let mut drawing = Drawing::through(camera);
-    (drawing.fog, drawing.scratches) = glass.looks();
-    let mut renderer = Renderer::new(graphics, stage, quality, Mode::Beauty);
-    let image = renderer.picture(&drawing, &moment, args.size)?;
-    let png = image.png()?;
-    std::fs::write(&args.out, png)
-        .with_context(|| format!("--out {}: cannot write", args.out.shown()))?;
-    say!(
-        "wrote {}: {width} x {height} pixels, {triangles} triangles, {:.3} s in the session",
-        args.out.shown(),
-        moment.time_s
-    );
-    Ok(0)
-}
-
-/// Returns the display of the scene, and the instant to be drawn.
-fn instant(args: &PictureArgs, steps: &Steps) -> anyhow::Result<(Display, Moment)> {
     if let Some(file) = &args.recording {
-        return replayed(file, args.at, steps);
+        return replayed(file, args, shots, graphics, &steps);
     }
     let name = match (&args.exercise, &args.scene) {
         (Some(name), _) => name,
         (None, None) => USUAL,
         (None, Some(file)) => {
-            let compiled = exercise::compile(Some(file), BuiltIn::Crown, args.patient_seed, steps)?;
+            let compiled =
+                exercise::compile(Some(file), BuiltIn::Crown, args.patient_seed, &steps)?;
             let display = Display::new(&compiled.scene)?;
-            let moment = Moment::rest(display.scene());
-            return Ok((display, moment));
+            let mut album = Album::new(args, shots, &display, graphics)?;
+            // Nothing moves, so every time shows the same.
+            album.all(&Moment::rest(display.scene()))?;
+            return Ok(0);
         }
     };
     let asked = Asked {
@@ -91,47 +60,56 @@ fn instant(args: &PictureArgs, steps: &Steps) -> anyhow::Result<(Display, Moment
         patient_seed: args.patient_seed,
         ..Asked::of(name)
     };
-    let mut prepared = exercise::prepare(&asked, steps)?;
+    let mut prepared = exercise::prepare(&asked, &steps)?;
     let display = Display::new(&prepared.scene)?;
+    let album = Album::new(args, shots, &display, graphics)?;
     let bar = steps.bar("performing");
-    let ticks = (args.at / prepared.scene.tick_s()).round() as u64;
     let progress = |share| bar.set("performing", share);
-    let moment = performed(
+    performed(
         (&prepared.scene, &display),
         &mut prepared.operator,
         &prepared.exercise,
-        ticks,
+        album,
         &progress,
-    );
+    )?;
     bar.done();
-    Ok((display, moment))
+    Ok(0)
 }
 
-/// Performs an exercise up to a tick, and returns the instant after it. Tick 0 is the scene at rest.
+/// Performs an exercise up to the last picture.
 fn performed(
     (scene, display): (&Scene, &Display),
     operator: &mut Operator,
     exercise: &Exercise,
-    ticks: u64,
+    mut album: Album<'_>,
     progress: &dyn Fn(f64),
-) -> Moment {
+) -> anyhow::Result<()> {
     let (mut state, mut workspace) = (State::new(scene), Workspace::new(scene));
     let mut follower = Follower::new(scene, display, exercise);
     let (mut shown, mut input) = (Shown::NOTHING, TickInput::IDLE);
-    for k in 1..=ticks {
+    let last = album.last_tick();
+    for k in 1..=last {
         input.tools = operator.step(&shown);
         let output = tick(scene, &mut state, &mut workspace, &input, &mut NoProbe);
         shown = as_sent(&output);
-        follower.tick(&output, &workspace, k == ticks);
+        if let Some(moment) = follower.tick(&output, &workspace, album.is_due(k)) {
+            album.tick(k, moment)?;
+        }
         if k.is_multiple_of(500) {
-            progress(k as f64 / ticks as f64);
+            progress(k as f64 / last as f64);
         }
     }
-    follower.moment()
+    Ok(())
 }
 
-/// Replays a recording from its begin up to a time, and returns the last instant.
-fn replayed(file: &Path, at_s: f64, steps: &Steps) -> anyhow::Result<(Display, Moment)> {
+/// Replays a recording from its begin up to the last picture.
+fn replayed(
+    file: &Path,
+    args: &PictureArgs,
+    shots: Shots,
+    graphics: Graphics,
+    steps: &Steps,
+) -> anyhow::Result<u8> {
     let context = || file.shown().to_string();
     let recording = Recording::open(file).with_context(context)?;
     let scene = recording.scene().with_context(context)?;
@@ -139,32 +117,39 @@ fn replayed(file: &Path, at_s: f64, steps: &Steps) -> anyhow::Result<(Display, M
     let text = &recording.header().exercise;
     // A recording of no exercise has an empty text: a free session.
     let exercise = Exercise::parse(text).unwrap_or_else(|_| Exercise::free("free", 1.0));
-    let last = (at_s / scene.tick_s()).round() as u64;
-    let mut follower = Follower::new(&scene, &display, &exercise);
     let options = ReplayOptions {
         span: Span {
             from_s: None,
-            to_s: Some(at_s),
+            to_s: Some(shots.last_s()),
         },
         ..ReplayOptions::default()
     };
+    let mut album = Album::new(args, shots, &display, graphics)?;
+    let mut follower = Follower::new(&scene, &display, &exercise);
+    let last = album.last_tick();
+    // A tick of the grid may be missing: the next one serves, or the last one of the recording.
+    let end = recording.facts().ticks.map_or(0, |ticks| ticks.1);
     let bar = steps.bar("replaying");
     let mut progress = |ticks: u64| bar.set("replaying", ticks as f64 / last.max(1) as f64);
-    let mut seen = 0;
+    let mut drawn = Ok(());
     let mut observe = |_: &Scene, _: &TickInput, output: &TickOutput, workspace: &Workspace| {
-        seen = output.tick;
-        // The grid point at the time itself may be missing.
-        follower.tick(output, workspace, output.tick + 20 >= last);
+        let now = if output.tick >= end {
+            u64::MAX
+        } else {
+            output.tick
+        };
+        let due = drawn.is_ok() && album.is_due(now);
+        if let Some(moment) = follower.tick(output, workspace, due) {
+            drawn = album.tick(now, moment);
+        }
     };
     let report =
         replay_observed(&recording, &options, &mut progress, &mut observe).with_context(context)?;
     bar.done();
+    drawn?;
     if let Some(tick) = report.first_divergent_tick {
         tell!("warning: the replay differs from tick {tick} on");
     }
-    if seen == 0 {
-        bail!("{}: no tick was recorded before {at_s} s", file.shown());
-    }
-    let moment = follower.moment();
-    Ok((display, moment))
+    album.is_complete().with_context(context)?;
+    Ok(0)
 }

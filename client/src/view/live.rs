@@ -89,12 +89,14 @@ impl Live {
         Ok(live)
     }
 
-    fn glance(&mut self) -> Option<Glance> {
+    /// State of the newest pass.
+    pub(super) fn glance(&mut self) -> Option<Glance> {
         self.eyes.glances.update();
         *self.eyes.glances.output_buffer()
     }
 
-    fn say(&mut self, kind: &'static str, json: String) {
+    /// Sends an event for the recording.
+    pub(super) fn say(&mut self, kind: &'static str, json: String) {
         // The ring is full only if the device's loop has ended.
         let _ = self.eyes.events.push(DeviceEvent { kind, json });
     }
@@ -268,7 +270,7 @@ impl Show for Live {
         self.hands.clone()
     }
 
-    fn is_over(&self) -> bool {
+    fn is_over(&mut self) -> bool {
         self.over.load(Ordering::Acquire)
     }
 }

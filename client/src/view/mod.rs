@@ -2,29 +2,33 @@
 //!
 //! The window has the main thread, the session a thread of its own. They exchange the newest state and the acts of the
 //! person without waiting. A window that cannot open, or that is closed, ends nothing: the exercise and its force go
-//! on.
+//! on. After the session the window stays and shows its end.
 
 mod live;
 mod on_screen;
 mod outcome;
 mod player;
 mod programs;
+mod pupil;
+mod replay;
 mod settings;
+mod staying;
 mod voice;
 mod watched;
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::mpsc::{SyncSender, sync_channel};
+use std::sync::mpsc::{SyncSender, channel, sync_channel};
 
 use anyhow::anyhow;
 use sulcus_connection::device::EventDevice;
 use sulcus_connection::link::LinkConfig;
-use sulcus_demo::seat::{Begun, Screen, Seat};
+use sulcus_demo::seat::{Begun, Ending, Screen, Seat};
 use sulcus_program::{output, tell};
 use sulcus_screen::error::ScreenError;
 use sulcus_screen::hand::Shared;
 use sulcus_screen::handed::Person;
+use sulcus_screen::show::Show;
 use sulcus_screen::window::{self, Report, Settings};
 
 use crate::cli::ViewArgs;
@@ -32,7 +36,9 @@ use live::Live;
 use on_screen::OnScreen;
 use outcome::Outcome;
 use player::Player;
+use pupil::Pupil;
 use settings::{named, settings};
+use staying::Staying;
 use voice::Voice;
 use watched::{Eyes, Watched};
 
@@ -100,6 +106,8 @@ pub fn beside(
         rest: named("--finger-rest", &args.finger_rest)?,
     };
     let (seat_in, seated) = sync_channel::<Seated>(1);
+    let (pages_in, pages) = channel();
+    let stays = !args.close_at_end;
     let closed = Arc::new(AtomicBool::new(false));
     let over = Arc::new(AtomicBool::new(false));
     let outcome = Arc::new(Outcome::default());
@@ -113,9 +121,15 @@ pub fn beside(
                 let take = |begun: &Begun<'_>, device: Box<dyn EventDevice>| {
                     take(begun, device, closed.clone(), &seat_in)
                 };
+                let end = |ending: &Ending<'_>| {
+                    if stays {
+                        staying::send(ending, &pages_in);
+                    }
+                };
                 let screen = Screen {
                     device: args.mouse.then_some(on_screen::NAME),
                     take: &take,
+                    ended: &end,
                 };
                 let code = finish(session(Some(screen)));
                 ending.set(code);
@@ -125,13 +139,22 @@ pub fn beside(
             })?;
         // A session that never begins drops its end.
         if let Ok(seated) = seated.recv() {
+            let is_lesson = seated.facts.title == sulcus_demo::lesson::NAME;
             outlive(args.mouse, outcome, closed.clone(), over.clone());
             let helpers = Helpers {
                 voice: helper("--speak", args.speak, Voice::begin),
                 player: helper("--sound", args.sound, Player::begin),
             };
             match Live::new(seated, person, helpers, over.clone()) {
-                Ok(live) => report(args, in_a_window(live, settings), &over),
+                Ok(live) => {
+                    let ends = args.mouse.then(|| closed.clone());
+                    let show: Box<dyn Show> = match stays {
+                        _ if is_lesson => Box::new(Pupil::new(live)),
+                        true => Box::new(Staying::new(live, pages, over.clone(), ends)),
+                        false => Box::new(live),
+                    };
+                    report(args, in_a_window(show, settings), &over);
+                }
                 Err(error) => {
                     tell!("warning: no window: {error}; the exercise goes on without pictures")
                 }
@@ -178,8 +201,8 @@ fn outlive(mouse: bool, outcome: Arc<Outcome>, closed: Arc<AtomicBool>, over: Ar
 }
 
 /// Runs the window. A window that panics is an error: the library of the display does so when its server is gone.
-fn in_a_window(live: Live, settings: Settings) -> Result<Report, ScreenError> {
-    let run = || window::run(Box::new(live), settings);
+fn in_a_window(show: Box<dyn Show>, settings: Settings) -> Result<Report, ScreenError> {
+    let run = || window::run(show, settings);
     let ran = std::panic::catch_unwind(std::panic::AssertUnwindSafe(run));
     ran.unwrap_or_else(|_| Err(ScreenError::NoDisplay("the window failed".into())))
 }

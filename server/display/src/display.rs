@@ -66,6 +66,9 @@ impl Display {
                 Some(shown) => shown,
                 None => shown(scene, object)?,
             };
+            if shown.kind == Kind::Gingiva && shown.fdi == 0 {
+                shown.fdi = number_of_tooth(scene, object);
+            }
             if shown.kind == Kind::Tooth {
                 shown.mesh = dress::tooth(shown.mesh, tooth.as_ref())?;
             }
@@ -101,6 +104,19 @@ impl Display {
     pub fn hash(&self) -> SceneHash {
         self.hash
     }
+}
+
+/// FDI number of the tooth that a gingiva without a number surrounds: the nearest one, as in the events. 0 without a
+/// tooth. Sites to be read, views and bleeding are found by this number.
+fn number_of_tooth(scene: &Scene, object: &Object) -> u8 {
+    let TissueModel::Gingiva(model) = &object.tissue else {
+        return object.fdi;
+    };
+    let away = |tooth: &&Object| (tooth.tree.nodes()[0].centre - model.tooth.origin).norm();
+    let teeth = scene.objects.iter();
+    let teeth = teeth.filter(|other| other.fdi != 0 && other.tissue.is_rigid());
+    let nearest = teeth.min_by(|a, b| away(a).total_cmp(&away(b)));
+    nearest.map_or(0, |tooth| tooth.fdi)
 }
 
 /// Vector in the precision of the wire.

@@ -1,6 +1,7 @@
 //! Command line of `sulcus-sessions`: arguments, output, exit codes.
 
 mod compared;
+pub mod drawn;
 mod export;
 mod grade;
 mod info;
@@ -51,7 +52,7 @@ enum Command {
     Review(review::ReviewArgs),
     /// Draw an instant as the student's screen shows it; starts the program `sulcus-client`
     #[command(
-        after_long_help = "Example:\n  sulcus-sessions picture session.mcap --at 12.3 --view close-up --out picture.png"
+        after_long_help = picture::EXAMPLES
     )]
     Picture(picture::PictureArgs),
     /// Export recordings as tables and meshes for other programs

@@ -234,7 +234,8 @@ impl Evidence {
         let visible = events.is_target_visible();
         let lead = Some(self.leading).filter(held);
         let push = lead.map_or(0.0, |t| norm(&output.tools[t].raw_wrench.force));
-        self.series.observe(at_s, standing, push, visible);
+        let now = (output.tick, at_s);
+        self.series.observe(now, standing, push, visible);
         if away.any() {
             return;
         }

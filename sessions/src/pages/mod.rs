@@ -8,9 +8,12 @@
 
 mod chart;
 mod class;
+mod data_uri;
 mod filters;
+pub mod instants;
 mod jaw;
 mod markup;
+mod pictured;
 mod plots;
 #[cfg(test)]
 mod sample;
@@ -23,6 +26,7 @@ mod trend;
 
 pub use class::class_page;
 pub use jaw::Numbering;
+pub use pictured::{Picture, Pictures};
 pub use student::student_page;
 
 use askama::Template;

@@ -26,13 +26,32 @@ fn pages(text: &str, look: &Look<'_>) -> Vec<String> {
     for kind in KINDS {
         for attempt in 1..=3 {
             let (session, graded) = sample::session(text, kind, attempt);
-            pages.push(student_page(&session, &graded, look));
+            let pictures = drawn(text, attempt);
+            pages.push(student_page(&session, &graded, look, Some(&pictures)));
             class.push(session);
         }
     }
     let unread = [(text.to_owned(), text.to_owned())];
     pages.push(class_page(&class, &unread, look));
     pages
+}
+
+/// Pictures with `text` in every text.
+fn drawn(text: &str, attempt: usize) -> Pictures {
+    if attempt == 2 {
+        return Pictures::Missing(text.into());
+    }
+    Pictures::Drawn(vec![Picture {
+        instant: instants::Instant {
+            tooth: 36,
+            site: sulcus_core::tissue::gingiva::Site::DistoBuccal,
+            tick: 75_000,
+            view: "close-up",
+            says: "the tip stood here.".into(),
+        },
+        at_s: 75,
+        png: b"no PNG file".to_vec(),
+    }])
 }
 
 /// All tags of a page, with their attributes.
@@ -155,12 +174,35 @@ fn a_page_shows_what_its_kind_may_show() {
     };
     let page = |kind: Kind| {
         let (session, graded) = sample::session("x", kind, 3);
-        student_page(&session, &graded, &look)
+        student_page(&session, &graded, &look, Some(&drawn("no adapter", 1)))
     };
     let [practice, _, exam, without] = KINDS.map(page);
-    for words in ["Practise next", "<th>reached</th>", "Force on the floor"] {
+    for words in [
+        "Practise next",
+        "<th>reached</th>",
+        "Force on the floor",
+        "<b>1:15</b> 36 distobuccal: the tip stood here.",
+        "src=\"data:image/png;base64,bm8gUE5HIGZpbGU=\"",
+    ] {
         assert!(practice.contains(words), "{words}");
         assert!(!exam.contains(words), "{words}");
     }
     assert!(without.contains("No grade: x") && !without.contains("Definitions and sources"));
+}
+
+#[test]
+fn a_page_without_pictures_says_so_if_they_were_asked_for() {
+    let look = Look {
+        names: None,
+        numbering: Numbering::Fdi,
+        truth: false,
+    };
+    let (session, graded) = sample::session("x", KINDS[0], 1);
+    let page = |pictures| student_page(&session, &graded, &look, pictures);
+    assert!(!page(None).contains("in pictures"));
+    let missing = Pictures::Missing("no graphics adapter was found".into());
+    let said = "<p>No pictures of the findings: no graphics adapter was found.</p>";
+    assert!(page(Some(&missing)).contains(said));
+    let none = page(Some(&Pictures::Drawn(Vec::new())));
+    assert!(none.contains("No finding cost points") && !none.contains("<img"));
 }

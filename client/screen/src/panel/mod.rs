@@ -13,6 +13,7 @@
 
 mod canvas;
 mod colour;
+mod end;
 mod exam;
 mod gauge;
 mod lesson;
@@ -29,6 +30,7 @@ mod words;
 
 pub use canvas::Area;
 pub use colour::Rgba;
+pub use end::{End, end};
 pub use lesson::lesson;
 pub use next::Next;
 pub use primitive::{Primitive, Quad, quads, used};

@@ -1,6 +1,8 @@
 //! English.
 
-use super::{Findings, HandWords, LessonWords, Refusals, StatusWords, Steps, Strings};
+use super::{
+    EndWords, Findings, FirstWords, HandWords, LessonWords, Refusals, StatusWords, Steps, Strings,
+};
 
 /// English words.
 pub const ENGLISH: Strings = Strings {
@@ -97,6 +99,37 @@ pub const ENGLISH: Strings = Strings {
             "Most wrong answers are too deep.",
             "Most wrong answers are too shallow.",
         ],
+    },
+    end: EndWords {
+        ended: "The session has ended.",
+        replaying: "The grade is being computed from the recording.",
+        own_score: "Judge yourself first. The grade is shown after your own score.",
+        elsewhere: "Your instructor has the grade.",
+        no_grade: "This session has no grade.",
+        score: "Score {0} of 100",
+        verdicts: ["passed", "not passed"],
+        practise: "Practise next",
+        advice: "{0}. {1}",
+        nothing: "Nothing stands out: keep it up, with another patient.",
+        worst: "Your largest fault, replayed",
+        close: "Esc or F10 closes the window.",
+    },
+    first: FirstWords {
+        title: "First lesson, step {0} of {1}",
+        tasks: [
+            "Take the probe: press Space, then move the mouse. Bring the tip to the yellow mark and keep it there for a second.",
+            "Lower the tip to the side of the crown and touch the enamel softly. The force is shown above.",
+            "Press Space to let the probe rest. Then read the depth and type the number, and Return.",
+            "Take the probe again. Slide it down beside the tooth into the pocket. Walk along the margin in short bobs, without leaving the pocket.",
+        ],
+        done: [
+            "Well held.",
+            "That was enamel: hard, and the tip stops at once.",
+            "Right.",
+            "Well walked.",
+        ],
+        heavy: "Too heavy. Ease off until the tip only rests on the enamel.",
+        ended: "The first lesson is done. F10 ends it.",
     },
     hands: HandWords {
         devices: ["mouse and keyboard", "3D mouse", "gamepad"],

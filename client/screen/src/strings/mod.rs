@@ -48,8 +48,56 @@ pub struct Strings {
     pub status: StatusWords,
     /// Band trainer.
     pub lesson: LessonWords,
+    /// Page after a session.
+    pub end: EndWords,
+    /// First lesson.
+    pub first: FirstWords,
     /// Hands without a force device.
     pub hands: HandWords,
+}
+
+/// First lesson.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct FirstWords {
+    /// Title: 0 is the number of the step, 1 the number of all steps.
+    pub title: &'static str,
+    /// Tasks, in the order of [`crate::first::Step::ALL`].
+    pub tasks: [&'static str; 4],
+    /// Confirmations of the steps, in the same order.
+    pub done: [&'static str; 4],
+    /// Hint for a heavy contact.
+    pub heavy: &'static str,
+    /// End of the lesson.
+    pub ended: &'static str,
+}
+
+/// Page after a session.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct EndWords {
+    /// The session has ended.
+    pub ended: &'static str,
+    /// The grade is being computed.
+    pub replaying: &'static str,
+    /// The own score of the learner precedes the grade.
+    pub own_score: &'static str,
+    /// The grade is at the instructor's.
+    pub elsewhere: &'static str,
+    /// There is no grade.
+    pub no_grade: &'static str,
+    /// Score: 0 is the number.
+    pub score: &'static str,
+    /// Verdicts: passed, not passed.
+    pub verdicts: [&'static str; 2],
+    /// Title of the advice.
+    pub practise: &'static str,
+    /// Piece of advice: 0 is its number, 1 its sentence.
+    pub advice: &'static str,
+    /// No piece of advice.
+    pub nothing: &'static str,
+    /// Title of the replayed finding.
+    pub worst: &'static str,
+    /// Ways to close the page.
+    pub close: &'static str,
 }
 
 /// Words of hands without a force device.

@@ -5,7 +5,7 @@ use std::f64::consts::FRAC_PI_2;
 use sulcus_core::{NoProbe, Pose, Scene, State, TickInput, ToolInput, Vec3, Workspace, tick};
 use sulcus_display::{Display, Frames};
 use sulcus_operator::pocket_path::{Manner, PocketPath};
-use sulcus_proto::display::DisplayFrame;
+use sulcus_proto::display::{DisplayFrame, Kind};
 use sulcus_scene::anatomy::patient::{Patient, ToothChart};
 use sulcus_sessions::{Events, Exercise, Moved, Sampler, Shapes};
 
@@ -133,4 +133,20 @@ fn prescribed_bleeding_shows_after_the_probe_has_left_the_site() {
         assert_eq!(std::mem::take(&mut b.spots), first.spots);
         assert_eq!(a, b, "nothing else differs");
     }
+}
+
+/// Before, a gingiva without a number in its scene file had none on the screen: no pointer, no bleeding, wrong views.
+#[test]
+fn a_gingiva_without_a_number_has_that_of_its_tooth() {
+    let options = sulcus_scene::BuildOptions::cached();
+    let pocket = sulcus_scene::BuiltIn::Pocket;
+    let compiled = sulcus_scene::compile_built_in(pocket, &options, &|_, _| {});
+    let scene = compiled.expect("built in").scene;
+    let display = Display::new(&scene).expect("a display");
+    let objects = display.scene().objects.iter();
+    let gingivae = objects.filter(|one| one.kind == Kind::Gingiva);
+    let numbers: Vec<u8> = gingivae.map(|one| one.fdi).collect();
+    assert_eq!(numbers, [36]);
+    let compiled = scene.objects.iter().map(|object| object.fdi);
+    assert_eq!(compiled.collect::<Vec<_>>(), [36, 0]);
 }

@@ -19,6 +19,10 @@ pub(in crate::cli) struct GradeArgs {
     /// Folder for the pages: one for each session and one for the class
     #[arg(long, value_name = "DIR")]
     pub(super) html: Option<PathBuf>,
+    /// Draw the findings that cost points into the pages, at most six for each session, none in an exam. The program
+    /// `sulcus-client` draws them, in one more replay; its build needs the feature `view`
+    #[arg(long, requires = "html")]
+    pub(super) pictures: bool,
     /// File for a table of all sessions
     ///
     /// Text that a spreadsheet would read as a number, a date or a formula begins with an apostrophe, such as the id
@@ -78,7 +82,7 @@ pub(super) enum Numbers {
 
 pub(in crate::cli) const LONG_ABOUT: &str = "Grades recorded sessions from their replay.\n\nThe replay runs the session again from the inputs in its recording, and the measures come from the replay. Forces that the recording claims do not count. A recording gets no grade (exit code 1) if its replay differs, if it was cut off, if rows were lost, or if it is not signed. A recording that continues another one is graded with it; alone it gets no grade. A recording of a former version of the format is graded if its replay stays close, and the grade says so. The weights are those of the rubric in the recording. The program proposes a grade; --revise keeps an instructor's score beside the proposal.";
 
-pub(in crate::cli) const EXAMPLES: &str = "Examples:\n  sulcus-sessions grade session.mcap\n  sulcus-sessions grade first.mcap second.mcap\n  sulcus-sessions grade class/*.mcap --html pages --csv class.csv --names key-table.csv\n  sulcus-sessions grade session.mcap --json | tail -n 1 | jq '.metrics[] | {name, value, score}'\n  sulcus-sessions grade session.mcap --mode self-assessment --self-score 75\n  sulcus-sessions grade session.mcap --mode exam --signer station.pub\n  sulcus-sessions grade session.mcap --revise 72 --by t04 --at 2026-11-23 --reason \"finger rest slipped\"";
+pub(in crate::cli) const EXAMPLES: &str = "Examples:\n  sulcus-sessions grade session.mcap\n  sulcus-sessions grade first.mcap second.mcap\n  sulcus-sessions grade class/*.mcap --html pages --csv class.csv --names key-table.csv\n  sulcus-sessions grade session.mcap --html pages --pictures\n  sulcus-sessions grade session.mcap --json | tail -n 1 | jq '.metrics[] | {name, value, score}'\n  sulcus-sessions grade session.mcap --mode self-assessment --self-score 75\n  sulcus-sessions grade session.mcap --mode exam --signer station.pub\n  sulcus-sessions grade session.mcap --revise 72 --by t04 --at 2026-11-23 --reason \"finger rest slipped\"";
 
 /// Name of a file without its folder. A grade does not depend on the folder of the recording.
 pub(super) fn file_name(path: &Path) -> String {

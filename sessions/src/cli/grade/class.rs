@@ -8,9 +8,10 @@ use sulcus_program::{PathText, tell};
 
 use super::args::{GradeArgs, Numbers};
 use super::session::One;
+use crate::cli::drawn;
 use crate::grade::class::{Session, number_attempts};
 use crate::grade::names::Names;
-use crate::pages::{Look, Numbering, class_page, student_page};
+use crate::pages::{Look, Numbering, Pictures, class_page, student_page};
 
 /// Sessions, each once. Of several copies the most complete one is kept.
 pub(super) fn sessions(all: &[(String, One)]) -> Vec<Session> {
@@ -121,7 +122,15 @@ pub(super) fn pages(
             name = format!("{stem}-{k}");
             k += 1;
         }
-        write(&name, student_page(session, &one.graded, &look))?;
+        let wanted = args.pictures && !session.is_exam();
+        let pictures = wanted.then(|| drawn::findings(&one.path, &one.graded));
+        if let Some(Pictures::Missing(why)) = &pictures {
+            tell!("warning: {file}: no pictures: {why}");
+        }
+        write(
+            &name,
+            student_page(session, &one.graded, &look, pictures.as_ref()),
+        )?;
     }
     write("class", class_page(sessions, unread, &look))?;
     tell!("pages in {}", folder.shown());

@@ -1,7 +1,7 @@
 //! Grade of one recording: mode, the learner's own score, grade, revisions.
 
 use std::io::IsTerminal as _;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use anyhow::bail;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
@@ -21,6 +21,8 @@ use crate::record::read::Recording;
 
 /// Grade of one recording, with the scores of people.
 pub(super) struct One {
+    /// Path of the recording, of several the last.
+    pub path: PathBuf,
     pub graded: Graded,
     pub sidecar: Option<Sidecar>,
     pub self_score: Option<f64>,
@@ -173,6 +175,7 @@ pub(super) fn one(session: &SessionFiles, args: &GradeArgs, asked: &Asked) -> an
         );
     }
     let mut one = One {
+        path: path.to_owned(),
         graded,
         sidecar: None,
         self_score: given,

@@ -14,6 +14,8 @@ const MOST: usize = 144_000;
 pub struct Point {
     /// Last zone of the tip. None outside pockets.
     pub zone: Option<(u8, Site)>,
+    /// Tick of the session at which that zone was last seen. 0 outside pockets.
+    pub tick: u64,
     /// Largest depth, metres.
     pub depth: f64,
     /// Largest force on the floor, newtons.
@@ -29,8 +31,15 @@ pub struct Point {
 pub struct Series(pub Vec<Point>);
 
 impl Series {
-    /// Takes in a tick, `at_s` seconds after the first tick. `push` is the force on the leading tool, newtons.
-    pub fn observe(&mut self, at_s: f64, at: Option<&Standing>, push: f64, visible: Option<bool>) {
+    /// Takes in the tick of the session `tick`, `at_s` seconds after the first tick. `push` is the force on the leading
+    /// tool, newtons.
+    pub fn observe(
+        &mut self,
+        (tick, at_s): (u64, f64),
+        at: Option<&Standing>,
+        push: f64,
+        visible: Option<bool>,
+    ) {
         let k = (at_s / STEP_S) as usize;
         if k >= MOST {
             return;
@@ -47,6 +56,7 @@ impl Series {
             return;
         };
         point.zone = Some((at.tooth, at.site));
+        point.tick = tick;
         if at.depth > point.depth {
             point.depth = at.depth;
         }
@@ -71,19 +81,20 @@ mod tests {
             (0.12, 3.0, 0.0),
         ] {
             let at = standing(36, Site::Buccal, 90.0, mm, force);
-            series.observe(at_s, Some(&at), 2.0 * force, Some(at_s < 0.1));
+            let tick = (at_s * 1e3) as u64;
+            series.observe((tick, at_s), Some(&at), 2.0 * force, Some(at_s < 0.1));
         }
         assert_eq!(series.0.len(), 3);
         let first = series.0[0];
         assert!((first.depth - 2e-3).abs() < 1e-12 && first.force == 0.3 && first.push == 0.6);
         assert_eq!(
-            (first.zone, first.visible),
-            (Some((36, Site::Buccal)), Some(true))
+            (first.zone, first.tick, first.visible),
+            (Some((36, Site::Buccal)), 49, Some(true))
         );
         assert_eq!(series.0[1], Point::default());
         assert_eq!(series.0[2].visible, Some(false));
         // Points after two hours are dropped.
-        series.observe(1e9, None, 0.0, None);
+        series.observe((1, 1e9), None, 0.0, None);
         assert_eq!(series.0.len(), 3);
     }
 }

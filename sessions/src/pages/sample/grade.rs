@@ -186,6 +186,7 @@ pub fn series(probed: bool) -> Series {
         let zone = (probed && k % 90 > 20).then(|| ([36, 16][k / 400 % 2], Site::ALL[k / 90 % 6]));
         Point {
             zone,
+            tick: if zone.is_some() { 50 * k as u64 + 1 } else { 0 },
             depth: if zone.is_some() {
                 2.5e-3 * (1.0 + libm::sin(at))
             } else {

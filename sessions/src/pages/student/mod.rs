@@ -8,8 +8,9 @@ use askama::Template;
 
 use super::chart::{Chart, ChartView};
 use super::filters;
+use super::pictured::Shown;
 use super::plots::{self, Plot};
-use super::{Look, rendered};
+use super::{Look, Pictures, rendered};
 use crate::grade::Graded;
 use crate::grade::class::Session;
 use crate::grade::patient::PatientChart;
@@ -26,8 +27,13 @@ const MOST_REASON: usize = 200;
 /// Most characters of an instructor's id and of a date on a sheet.
 const MOST_NAME: usize = 40;
 
-/// The page of one session.
-pub fn student_page(session: &Session, graded: &Graded, look: &Look<'_>) -> String {
+/// The page of one session. `pictures`: none were asked for, or those of its findings. An exam shows none.
+pub fn student_page(
+    session: &Session,
+    graded: &Graded,
+    look: &Look<'_>,
+    pictures: Option<&Pictures>,
+) -> String {
     let grade = &session.grade;
     let page = StudentPage {
         head: Head::of(session, look),
@@ -44,7 +50,7 @@ pub fn student_page(session: &Session, graded: &Graded, look: &Look<'_>) -> Stri
         own: session.self_score.zip(grade.score),
         chart: chart(graded, grade, look),
         plot: plots::plot(graded, look.numbering).filter(|_| !session.is_exam()),
-        body: grade.score.is_some().then(|| Body::of(session, look)),
+        body: (grade.score.is_some()).then(|| Body::of(session, look, pictures)),
     };
     rendered(&page)
 }
@@ -73,16 +79,20 @@ struct Body<'a> {
     /// None in an exam.
     advice: Option<Vec<Advice<'a>>>,
     zones: Option<Zones>,
+    /// None in an exam, and if none were asked for.
+    pictures: Option<Shown<'a>>,
     definitions: Definitions<'a>,
 }
 
 impl<'a> Body<'a> {
-    fn of(session: &'a Session, look: &Look<'_>) -> Self {
+    fn of(session: &'a Session, look: &Look<'_>, pictures: Option<&'a Pictures>) -> Self {
         let grade = &session.grade;
+        let pictures = pictures.filter(|_| !session.is_exam());
         Self {
             metrics: Metrics::of(grade),
             advice: (!session.is_exam()).then(|| advice(grade, look)),
             zones: Zones::of(session, look),
+            pictures: pictures.map(|all| Shown::of(all, look.numbering)),
             definitions: Definitions::of(grade),
         }
     }

@@ -64,6 +64,31 @@ fn the_program_writes_the_same_bytes_again_and_pages_that_need_no_network() {
     );
 }
 
+#[test]
+fn pictures_change_neither_the_grade_nor_its_json() {
+    let place = Place::new();
+    let corpus = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/corpus/probing.mcap");
+    std::fs::copy(corpus, place.path("session.mcap")).unwrap();
+    let grade = |folder: &str, more: &[&str]| {
+        let args = ["grade", "session.mcap", "--json", "--html", folder];
+        let (code, out, _) = place.run(&[&args[..], more].concat());
+        let page = place.path(folder).join("session.html");
+        (code, out, std::fs::read_to_string(page).unwrap())
+    };
+    let (code, out, page) = grade("plain", &[]);
+    let (code_drawn, out_drawn, page_drawn) = grade("drawn", &["--pictures"]);
+    assert_eq!((code, out), (code_drawn, out_drawn));
+    let title = "The findings in pictures";
+    assert!(!page.contains(title) && page_drawn.contains(title));
+    // The rest of the page is the same, too.
+    let (before, rest) = page_drawn
+        .split_once("<section class=\"pictures\">")
+        .unwrap();
+    let (_, after) = rest.split_once("</section>").unwrap();
+    let words = |text: &str| text.split_whitespace().collect::<Vec<_>>().join(" ");
+    assert_eq!(words(&format!("{before}{after}")), words(&page));
+}
+
 /// The pages and the JSON of a whole class were lost with a table that could not be written, and the cause was not said.
 #[test]
 fn a_table_that_cannot_be_written_takes_nothing_else_with_it() {

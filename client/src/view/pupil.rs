@@ -1,0 +1,163 @@
+//! First lesson in a window: the session of the exercise `lesson`, with its steps beside the picture.
+
+use std::sync::Arc;
+
+use sulcus_core::math::norm;
+use sulcus_proto::display::{DisplayScene, SceneHash};
+use sulcus_screen::camera::Vector;
+use sulcus_screen::first::{FirstLesson, Seen, Step};
+use sulcus_screen::hand::Shared;
+use sulcus_screen::moment::Moment;
+use sulcus_screen::panel::{Detail, Mode, PanelState, Primitive, lesson};
+use sulcus_screen::show::{Act, SCREEN, Show};
+use sulcus_screen::strings::{ENGLISH, fill};
+use sulcus_screen::trainer::{BAND_READ, Lesson, Rule, place};
+use sulcus_screen::views::View;
+
+use super::live::Live;
+
+/// Number of questions, and their seed: far more than a beginner needs for one right answer.
+const QUESTIONS: usize = 50;
+const SEED: u64 = 1;
+
+/// Session of a first lesson.
+pub struct Pupil {
+    live: Live,
+    /// Lesson and its questions; `None` before the first scene.
+    begun: Option<(FirstLesson, Lesson)>,
+    /// Step that was finished last.
+    finished: Option<Step>,
+    wanted: Option<View>,
+    tick: u64,
+}
+
+impl Pupil {
+    /// Lesson in a session.
+    pub fn new(live: Live) -> Self {
+        Self {
+            live,
+            begun: None,
+            finished: None,
+            wanted: Some(View::Buccal),
+            tick: 0,
+        }
+    }
+
+    fn step(&self) -> Option<Step> {
+        self.begun.as_ref().and_then(|(first, _)| first.step())
+    }
+
+    fn begin(&mut self, scene: &DisplayScene) {
+        if self.begun.is_some() {
+            return;
+        }
+        let probe = scene.tools.iter().find(|tool| !tool.bands.is_empty());
+        let bands = probe.map(|probe| &*probe.bands).unwrap_or_default();
+        let questions = Lesson::new(bands, Rule::NearestHalfUp, SEED, QUESTIONS).ok();
+        self.begun = FirstLesson::new(scene).zip(questions);
+    }
+
+    fn see(&mut self, scene: &DisplayScene, moment: &Moment) {
+        let glance = self.live.glance();
+        let slot = scene.tools.iter().position(|tool| !tool.bands.is_empty());
+        let (Some(glance), Some(slot), Some((first, _))) = (glance, slot, &mut self.begun) else {
+            return;
+        };
+        let ticks = glance.tick.saturating_sub(self.tick);
+        self.tick = glance.tick;
+        // A pause or a lost link is no time of practice.
+        let dt_s = (ticks as f64 * scene.tick_ns as f64 / 1e9).min(0.1);
+        let force_n = norm(&glance.displayed[slot].force);
+        let done = first.see(&Seen::of(scene, moment, force_n, dt_s));
+        self.finish(done);
+    }
+
+    fn finish(&mut self, done: Option<Step>) {
+        let Some(step) = done else { return };
+        let json = serde_json::json!({ "lesson": step.name() }).to_string();
+        self.live.say(SCREEN, json);
+        self.finished = Some(step);
+        self.wanted = Some(match self.step() {
+            Some(Step::Read) => View::CloseUp,
+            _ => View::Buccal,
+        });
+    }
+}
+
+impl Show for Pupil {
+    fn scene(&mut self) -> Option<(SceneHash, Arc<DisplayScene>)> {
+        let (hash, scene) = self.live.scene()?;
+        self.begin(&scene);
+        Some((hash, scene))
+    }
+
+    fn moment(&mut self) -> Option<(Moment, f64)> {
+        let (_, scene) = self.scene()?;
+        let (moment, age_s) = self.live.moment()?;
+        self.see(&scene, &moment);
+        let question = self.begun.as_ref().map(|(_, questions)| questions);
+        let question = question.filter(|_| self.step() == Some(Step::Read));
+        let asked = question.and_then(|questions| {
+            place::moment(&scene, questions.task()?, questions.answers().len())
+        });
+        Some((asked.unwrap_or(moment), age_s))
+    }
+
+    fn panel(&mut self, detail: Detail) -> PanelState {
+        let mut state = self.live.panel(detail);
+        let Some((first, _)) = &self.begun else {
+            return state;
+        };
+        let words = &ENGLISH.first;
+        let count = Step::ALL.len();
+        let number = |step: Step| step as usize;
+        let done = self.finished.map(|step| words.done[number(step)]);
+        let task = match first.step() {
+            Some(Step::Touch) if first.is_heavy() => words.heavy,
+            Some(step) => words.tasks[number(step)],
+            None => words.ended,
+        };
+        let present = first.step().map_or(count, |step| number(step) + 1);
+        let [present, count] = [present, count].map(|n| n.to_string());
+        state.help.title = fill(words.title, &[&present, &count]);
+        state.help.task = done.into_iter().chain([task]).collect::<Vec<_>>().join(" ");
+        state
+    }
+
+    fn overlay(&mut self, window: [u32; 2], scale: f32) -> Option<Vec<Primitive>> {
+        let (first, questions) = self.begun.as_ref()?;
+        let asks = first.step() == Some(Step::Read);
+        asks.then(|| lesson(questions, Mode::Practice, window, scale, &ENGLISH).list)
+    }
+
+    fn mark(&mut self) -> Option<Vector> {
+        let (first, _) = self.begun.as_ref()?;
+        (first.step() == Some(Step::Hold)).then(|| first.mark())
+    }
+
+    fn act(&mut self, act: Act) {
+        let (Act::Reading(key), Some(Step::Read)) = (act, self.step()) else {
+            return self.live.act(act);
+        };
+        let Some((first, questions)) = &mut self.begun else {
+            return;
+        };
+        if let Some(answer) = questions.press(key) {
+            let done = first.answered(answer.error_mm() == 0);
+            self.live.say(BAND_READ, answer.json());
+            self.finish(done);
+        }
+    }
+
+    fn hands(&self) -> Option<Arc<Shared>> {
+        self.live.hands()
+    }
+
+    fn wanted_view(&mut self) -> Option<(View, Option<u8>)> {
+        self.wanted.take().map(|view| (view, None))
+    }
+
+    fn is_over(&mut self) -> bool {
+        self.live.is_over()
+    }
+}
