@@ -19,7 +19,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let view: View = argument(2).unwrap_or("overview").parse()?;
     let tooth = argument(3).map(str::parse).transpose()?;
     let quality: Quality = argument(4).unwrap_or("full").parse()?;
-    let stage = Stage::new(&scene, quality.looks().merged_um);
+    let stage = Stage::new(&scene, quality.looks().thinned_um);
     let moment = Moment::rest(&scene);
     let size = [1280, 720];
     let camera = view.camera(&scene, &moment, tooth, 1280.0 / 720.0);
@@ -31,6 +31,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         )
         .magnified(number(7, 1.0)?);
     println!("{} triangles", stage.triangles());
+    for p in &stage.parts { print!("{:?}:{} ", p.owner, p.corners.len()/3); } println!();
     let graphics = Graphics::headless(Backend::Any)?;
     let mut renderer = Renderer::new(graphics, stage, quality, Mode::Beauty);
     let image = renderer.picture(&Drawing::through(camera), &moment, size)?;

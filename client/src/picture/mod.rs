@@ -45,7 +45,7 @@ pub fn run(args: &PictureArgs) -> anyhow::Result<u8> {
     }
     let graphics = Graphics::headless(Backend::Any)?;
     tell!("graphics adapter: {}", graphics.name());
-    let stage = Stage::new(display.scene(), quality.looks().merged_um);
+    let stage = Stage::new(display.scene(), quality.looks().thinned_um);
     let [width, height] = args.size;
     let aspect = f64::from(width) / f64::from(height);
     let camera = view.camera(display.scene(), &moment, args.tooth, aspect);

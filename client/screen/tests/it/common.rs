@@ -18,7 +18,7 @@ pub fn graphics() -> Option<Graphics> {
 
 /// Drawer of a scene.
 pub fn renderer(scene: &DisplayScene, quality: Quality, mode: Mode) -> Option<Renderer> {
-    let stage = Stage::new(scene, quality.looks().merged_um);
+    let stage = Stage::new(scene, quality.looks().thinned_um);
     Some(Renderer::new(graphics()?, stage, quality, mode))
 }
 
