@@ -31,7 +31,6 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         )
         .magnified(number(7, 1.0)?);
     println!("{} triangles", stage.triangles());
-    for p in &stage.parts { print!("{:?}:{} ", p.owner, p.corners.len()/3); } println!();
     let graphics = Graphics::headless(Backend::Any)?;
     let mut renderer = Renderer::new(graphics, stage, quality, Mode::Beauty);
     let image = renderer.picture(&Drawing::through(camera), &moment, size)?;

@@ -68,9 +68,8 @@ pub(crate) fn whole(stage: &Stage) -> Vec<f32> {
     let sites: Vec<(Vector3<f32>, Vector3<f32>)> = sites.collect();
     let of = |still: &Still| {
         let rest = Vector3::from(still.rest);
-        let cover = |(at, along): &(Vector3<f32>, Vector3<f32>)| {
-            cover(&(rest - at), along, WHOLE_S)
-        };
+        let cover =
+            |(at, along): &(Vector3<f32>, Vector3<f32>)| cover(&(rest - at), along, WHOLE_S);
         sites.iter().map(cover).fold(0.0, f32::max)
     };
     stage.still.iter().map(of).collect()

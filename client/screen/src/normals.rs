@@ -56,15 +56,14 @@ impl Normals {
     /// Keeps the normals that `moving` has now, those of a whole mesh, for the mesh at rest. `corners` are those of the
     /// thinned mesh.
     pub fn keep(&mut self, parts: &[Part], corners: &[u32], moving: &mut [Moving]) {
-        let whole: Vec<[f32; 3]> = moving.iter().map(|v| v.normal).collect();
+        let whole: Vec<Vector3<f32>> = moving.iter().map(|v| v.normal.into()).collect();
         let all: Vec<usize> = (0..parts.len()).collect();
         self.update(&all, parts, corners, moving);
-        let missing = self.sums.iter().zip(&whole);
-        let missing = missing.map(|(sum, normal)| Vector3::from(*normal) * sum.norm() - sum);
+        let sums = self.sums.iter().zip(&whole);
+        let missing = sums.map(|(sum, normal)| normal * sum.norm() - sum);
         self.missing = missing.collect();
-        for (v, normal) in moving.iter_mut().zip(whole) {
-            v.normal = normal;
-        }
+        // A mesh that returns to rest has the same bits as now.
+        self.update(&all, parts, corners, moving);
     }
 
     /// Writes the normals of changed parts, given by their numbers, and of vertices that share a normal with them.

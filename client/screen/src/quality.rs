@@ -14,7 +14,7 @@ pub enum Quality {
 }
 
 /// Looks of a level. Bands, mirror, bleeding and bared roots are part of every level.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Looks {
     /// Whether light is computed for each pixel, not for each vertex.
     pub per_pixel: bool,
@@ -29,6 +29,8 @@ pub struct Looks {
     pub thinned_um: u32,
     /// Pixels of the picture along an edge of a texel of a reflection.
     pub texel: u32,
+    /// Least roughness of a vertex, 0 to 1: no vertex carries a highlight smaller than its triangles.
+    pub roughness: f32,
 }
 
 impl Quality {
@@ -47,11 +49,11 @@ impl Quality {
 
     /// Looks of the level.
     pub fn looks(self) -> Looks {
-        let (per_pixel, samples, shadow, relief, thinned_um, texel) = match self {
-            Self::Full => (true, 4, 1024, true, 0, 1),
-            Self::Plain => (true, 1, 512, false, 0, 1),
-            Self::Low => (false, 1, 0, false, 30, 1),
-            Self::Lowest => (false, 1, 0, false, 100, 2),
+        let (per_pixel, samples, shadow, relief, thinned_um, texel, roughness) = match self {
+            Self::Full => (true, 4, 1024, true, 0, 1, 0.0),
+            Self::Plain => (true, 1, 512, false, 0, 1, 0.0),
+            Self::Low => (false, 1, 0, false, 30, 1, 0.30),
+            Self::Lowest => (false, 1, 0, false, 90, 2, 0.40),
         };
         Looks {
             per_pixel,
@@ -60,6 +62,7 @@ impl Quality {
             relief,
             thinned_um,
             texel,
+            roughness,
         }
     }
 

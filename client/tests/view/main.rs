@@ -1,6 +1,7 @@
 //! The program with its window, from outside, under a virtual display.
 
 mod display;
+mod levels;
 
 use std::process::{Command, Output, Stdio};
 use std::time::{Duration, Instant};

@@ -28,6 +28,8 @@ const LISTS: usize = 2 + GLASSES;
 const GLASSES: usize = sulcus_proto::TOOLS;
 /// Share of light that a front-surface mirror reflects: rhodium, 70 to 75 %.
 const REFLECTED: f32 = 0.74;
+/// Light of a glass without a reflection; the shader has the same.
+const BLIND: [f64; 3] = [0.16, 0.17, 0.18];
 /// Corners of the fan of a glass; the shader counts the same sides.
 const FAN: u32 = 3 * 64;
 /// Background, linear light: the dark of a room beside the lamp's patch.
@@ -328,7 +330,10 @@ impl Renderer {
         };
         self.draw(drawing, moment, &[], &view(&target), size);
         self.unread = Some(target);
-        let waited = self.graphics.device.poll(wgpu::PollType::wait_indefinitely());
+        let waited = self
+            .graphics
+            .device
+            .poll(wgpu::PollType::wait_indefinitely());
         waited.map_err(|error| ScreenError::Lost(error.to_string()))?;
         self.graphics.check()
     }
@@ -365,7 +370,13 @@ impl Renderer {
         self.plan(LISTS - 1, moment, &lamp, None, self.looks.shadow > 0);
         for (k, seen) in seen.iter().enumerate() {
             let clip = seen.as_ref().map(|seen| seen.pass.matrix());
-            self.plan(1 + k, moment, &clip.unwrap_or_default(), Some(k), clip.is_some());
+            self.plan(
+                1 + k,
+                moment,
+                &clip.unwrap_or_default(),
+                Some(k),
+                clip.is_some(),
+            );
         }
         self.plan(0, moment, &main.matrix(), None, true);
         self.work = self.lists.iter().fold(Work::default(), List::add);
@@ -401,7 +412,8 @@ impl Renderer {
             pass.set_pipeline(meshes);
             self.meshes(&mut pass, 0, &[true]);
             // Glass hides what lies behind, as tools do.
-            pass.set_pipeline(&self.pipelines.glass);
+            let is_dull = drawing.fog > 0.0 || drawing.scratches > 0.0;
+            pass.set_pipeline(&self.pipelines.glass[usize::from(is_dull)]);
             for (k, glass) in self.stage.glasses.iter().enumerate().take(GLASSES) {
                 if glass.is_some() && moment.tools[k].held {
                     let texture = seen[k].as_ref().map_or(0, |seen| seen.texture);
@@ -421,14 +433,38 @@ impl Renderer {
         self.graphics.queue.submit([encoder.finish()]);
     }
 
-    /// Background in the units of the target.
-    fn coded(&self, light: wgpu::Color) -> wgpu::Color {
-        if !self.is_coded {
-            return light;
+    /// Number of the target for an amount of light.
+    fn number(&self, light: f64) -> f64 {
+        if self.is_coded {
+            1.055 * light.powf(1.0 / 2.4) - 0.055
+        } else {
+            light
         }
-        let code = |x: f64| 1.055 * x.powf(1.0 / 2.4) - 0.055;
-        let [r, g, b] = [light.r, light.g, light.b].map(code);
-        wgpu::Color { r, g, b, a: light.a }
+    }
+
+    /// Background in the numbers of the target.
+    fn coded(&self, light: wgpu::Color) -> wgpu::Color {
+        let [r, g, b] = [light.r, light.g, light.b].map(|light| self.number(light));
+        wgpu::Color {
+            r,
+            g,
+            b,
+            a: light.a,
+        }
+    }
+
+    /// Share of a reflection's numbers that clean glass shows, and the numbers of glass without a reflection.
+    fn clean(&self, is_seen: bool) -> [f32; 4] {
+        if is_seen {
+            let share = if self.is_coded {
+                REFLECTED.powf(1.0 / 2.2)
+            } else {
+                REFLECTED
+            };
+            return [share, 0.0, 0.0, 0.0];
+        }
+        let [r, g, b] = BLIND.map(|light| self.number(light) as f32);
+        [0.0, r, g, b]
     }
 
     /// Reflections that the picture shows, by tool.
@@ -467,7 +503,8 @@ impl Renderer {
         seen: &[Option<Seen>; GLASSES],
     ) {
         let queue = &self.graphics.queue;
-        let block = |camera: &PassCamera| PassBlock::new(camera, &drawing.lamp, &self.looks, self.is_coded);
+        let block =
+            |camera: &PassCamera| PassBlock::new(camera, &drawing.lamp, &self.looks, self.is_coded);
         // Each write is a copy of its own for the adapter: all blocks of a kind go together.
         let mut passes = Blocks::default();
         passes.put(0, &block(main));
@@ -488,7 +525,10 @@ impl Renderer {
             };
             let [nx, ny, nz] = glass.normal;
             let [cx, cy, cz] = glass.centre.map(|x| x * MM);
-            let share = |seen: &Seen| seen.used.map(|n| n as f32 / REFLECTION[seen.texture] as f32);
+            let share = |seen: &Seen| {
+                seen.used
+                    .map(|n| n as f32 / REFLECTION[seen.texture] as f32)
+            };
             let [u, v] = seen.as_ref().map_or([0.0; 2], share);
             let block = GlassBlock {
                 camera: columns(&main.matrix()),
@@ -505,6 +545,7 @@ impl Renderer {
                     0.0,
                 ],
                 used: [u, v, f32::from(u8::from(self.is_coded)), 0.0],
+                clean: self.clean(seen.is_some()),
             };
             glasses.put(k, &block);
         }
@@ -513,7 +554,10 @@ impl Renderer {
             (&self.parts, parts),
             (&self.glasses, glasses),
         ];
-        for (buffer, blocks) in all.into_iter().filter(|(_, blocks)| !blocks.bytes().is_empty()) {
+        for (buffer, blocks) in all
+            .into_iter()
+            .filter(|(_, blocks)| !blocks.bytes().is_empty())
+        {
             queue.write_buffer(buffer, 0, blocks.bytes());
         }
     }
@@ -550,13 +594,22 @@ impl Renderer {
     /// Draws the tools of a list (`true`) and its objects (`false`).
     fn meshes(&self, pass: &mut RenderPass<'_>, number: usize, kinds: &[bool]) {
         // The last list is that of the shadows: its own group has no shadow map.
-        let (group, block) = if number == LISTS - 1 { (1, 0) } else { (0, number) };
+        let (group, block) = if number == LISTS - 1 {
+            (1, 0)
+        } else {
+            (0, number)
+        };
         let list = &self.lists[number];
         pass.set_bind_group(0, &self.pass_groups[group], &[offset(block)]);
         pass.set_vertex_buffer(0, self.buffers.still.slice(..));
         pass.set_vertex_buffer(1, self.buffers.moving.slice(..));
         pass.set_index_buffer(list.corners.slice(..), wgpu::IndexFormat::Uint32);
-        for draw in list.plan.draws.iter().filter(|draw| kinds.contains(&draw.is_tool)) {
+        for draw in list
+            .plan
+            .draws
+            .iter()
+            .filter(|draw| kinds.contains(&draw.is_tool))
+        {
             pass.set_bind_group(1, &self.part_group, &[offset(draw.part)]);
             pass.draw_indexed(draw.corners.clone(), 0, 0..1);
         }

@@ -13,6 +13,8 @@ struct Glass {
     looks: vec4f,
     // Used share of the texture along both edges; whether picture and target have sRGB numbers instead of light.
     used: vec4f,
+    // Share of the picture's numbers, and numbers added: a glass without a picture has these alone.
+    clean: vec4f,
 };
 
 @group(0) @binding(0) var<uniform> glass: Glass;
@@ -80,6 +82,16 @@ fn pixel(in: Place) -> @location(0) vec4f {
     let line = abs(fract(in.on.x * 3.1 + 0.9 * in.on.y + hash(floor(in.on * 4.0)) * 0.02) - 0.5);
     seen = mix(seen, vec3f(0.7), glass.looks.y * 0.5 * (1.0 - smoothstep(0.004, 0.012, line)));
     return vec4f(coded(seen), 1.0);
+}
+
+// Clean glass, without powers and branches: most of a picture's glass is drawn by a processor.
+@fragment
+fn clean(in: Place) -> @location(0) vec4f {
+    let in_window = (in.ndc.xy / in.ndc.w - glass.window.xy) / glass.window.zw;
+    let uv = vec2f(0.5 + 0.5 * in_window.x, 0.5 - 0.5 * in_window.y) * glass.used.xy;
+    let seen = textureSampleLevel(picture, picture_sampler, uv, 0.0).rgb;
+    // A share of light is the share's own number of sRGB numbers, to a hundredth.
+    return vec4f(seen * glass.clean.x + glass.clean.yzw, 1.0);
 }
 
 @fragment

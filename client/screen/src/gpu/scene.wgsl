@@ -13,7 +13,7 @@ struct Pass {
     beam: vec4f,
     // Horizontal unit vector of the patch; half height of the patch as tangent.
     patch_axis: vec4f,
-    // Strength of the relief; exposure; whether the target takes sRGB numbers instead of light.
+    // Strength of the relief; exposure; whether the target takes sRGB numbers instead of light; least roughness.
     looks: vec4f,
 };
 
@@ -257,7 +257,7 @@ fn lit_pixel(in: Lit) -> @location(0) vec4f {
         bumped = normalize(n - relief * amount);
     }
     let light = shade(in.at, n, bumped, albedo, in.finish, in.blood, shadow(in.at, n), part.material);
-    return vec4f(coded(develop(light)), 1.0);
+    return vec4f(develop(light), 1.0);
 }
 
 struct Flat {
@@ -273,7 +273,7 @@ fn lit_vertex(in: Vertex) -> Flat {
     out.clip = pass_.camera * at;
     // A vertex cannot carry a highlight smaller than its triangles.
     var finish = in.finish;
-    finish.x = max(finish.x, 0.30);
+    finish.x = max(finish.x, pass_.looks.w);
     let material = part.materials[u32(in.albedo.a * 255.0 + 0.5)];
     out.light = coded(develop(shade(at.xyz, n, n, linear(in.albedo.rgb), finish, in.blood, 1.0, material)));
     return out;

@@ -2,7 +2,10 @@
 
 use std::sync::Arc;
 
-use wgpu::{CurrentSurfaceTexture, PresentMode, Surface, SurfaceConfiguration, SurfaceTexture, TextureFormat};
+use wgpu::{
+    CurrentSurfaceTexture, PresentMode, Surface, SurfaceConfiguration, SurfaceTexture,
+    TextureFormat,
+};
 
 use super::adapter::Graphics;
 use super::draw::{Drawing, Mode, Renderer};

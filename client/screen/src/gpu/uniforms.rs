@@ -46,7 +46,12 @@ impl PassBlock {
             light: with(&lamp.at, KEY * lamp.brightness as f32),
             beam: with(&beam, wide as f32),
             patch_axis: with(&across, high as f32),
-            looks: [relief, EXPOSURE, f32::from(u8::from(is_coded)), 0.0],
+            looks: [
+                relief,
+                EXPOSURE,
+                f32::from(u8::from(is_coded)),
+                looks.roughness,
+            ],
         }
     }
 }
@@ -87,6 +92,7 @@ pub(super) struct GlassBlock {
     pub normal: [f32; 4],
     pub looks: [f32; 4],
     pub used: [f32; 4],
+    pub clean: [f32; 4],
 }
 
 /// Window as one vector: middle, then half size.
