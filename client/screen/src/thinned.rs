@@ -30,7 +30,7 @@ const SAME: [f32; FIELDS] = [0.25, 0.25, 0.25, 0.05, 0.05, 0.05, 0.12, 0.4, 0.2]
 const TOOL_MM: f32 = 0.05;
 /// Difference of a colour along an edge from which the step between two colours stays where it is: on teeth the ends of
 /// the enamel and of fissures, on tools the bands. Chosen below the colours' own differences.
-const TOOTH_STEP: f32 = 0.04;
+const TOOTH_STEP: f32 = 0.025;
 const BAND_STEP: f32 = 0.45;
 /// Longest edge that is a step, mm.
 const STEP_MM: f32 = 0.35;
