@@ -19,7 +19,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let view: View = argument(2).unwrap_or("overview").parse()?;
     let tooth = argument(3).map(str::parse).transpose()?;
     let quality: Quality = argument(4).unwrap_or("full").parse()?;
-    let stage = Stage::new(&scene, quality.looks().merged_um);
+    let stage = Stage::new(&scene, quality.looks().thinned_um);
     let moment = Moment::rest(&scene);
     let size = [1280, 720];
     let camera = view.camera(&scene, &moment, tooth, 1280.0 / 720.0);

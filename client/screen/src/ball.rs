@@ -19,8 +19,9 @@ pub(crate) struct Ball {
 
 impl Ball {
     /// Ball about the middle of the box of vertices; a ball without extent for none.
-    pub fn around(moving: &[Moving]) -> Self {
-        let places = || moving.iter().map(|v| Vector::from(v.at.map(f64::from)));
+    pub fn around<'a>(moving: impl IntoIterator<Item = &'a Moving, IntoIter: Clone>) -> Self {
+        let moving = moving.into_iter();
+        let places = || moving.clone().map(|v| Vector::from(v.at.map(f64::from)));
         let first = places().next().unwrap_or_default();
         let (low, high) = places().fold((first, first), |(low, high), at| {
             (low.inf(&at), high.sup(&at))
@@ -31,6 +32,13 @@ impl Ball {
             centre,
             radius: radius * MARGIN,
         }
+    }
+
+    /// Distance of the nearest point from the eye along the view, mm. `world` places the part, `clip` is clip space from
+    /// world.
+    pub fn depth(&self, world: &Matrix4<f32>, clip: &Matrix) -> f64 {
+        let centre = (world.cast::<f64>() * self.centre.push(1.0)).xyz();
+        clip.row(3).transpose().dot(&centre.push(1.0)) - self.radius
     }
 
     /// Whether any point of the ball may lie in a picture. `world` places the part, `clip` is clip space from world.
@@ -95,6 +103,6 @@ mod tests {
         let away = |v: &Moving| (Vector::from(v.at.map(f64::from)) - ball.centre).norm();
         let farthest = all.iter().map(away).fold(0.0, f64::max);
         assert!(farthest < ball.radius && ball.radius < 1.01 * farthest);
-        assert_eq!(Ball::around(&[]).radius, 0.0);
+        assert_eq!(Ball::around(&[] as &[Moving]).radius, 0.0);
     }
 }

@@ -10,7 +10,7 @@ use nalgebra::Vector3;
 use sulcus_proto::display::Spot;
 
 use crate::material::Material;
-use crate::stage::Stage;
+use crate::stage::{Stage, Still};
 
 /// Radius of the point, mm, and time until it is whole, s.
 const POINT: (f32, f32) = (0.45, 0.6);
@@ -58,6 +58,21 @@ pub(crate) fn spread(stage: &mut Stage, spots: &[(Spot, f32)]) -> Vec<Range<usiz
         }
     }
     parts
+}
+
+/// Cover of all vertices when every site of the scene bleeds and its blood has spread whole.
+pub(crate) fn whole(stage: &Stage) -> Vec<f32> {
+    let sites = stage.sites.iter().flat_map(|sites| {
+        (0..sites.len()).map(|site| (Vector3::from(sites[site]), along(sites, site)))
+    });
+    let sites: Vec<(Vector3<f32>, Vector3<f32>)> = sites.collect();
+    let of = |still: &Still| {
+        let rest = Vector3::from(still.rest);
+        let cover =
+            |(at, along): &(Vector3<f32>, Vector3<f32>)| cover(&(rest - at), along, WHOLE_S);
+        sites.iter().map(cover).fold(0.0, f32::max)
+    };
+    stage.still.iter().map(of).collect()
 }
 
 /// Gives blood to the vertex of an object next to a place. A coarse mesh may have no vertex within the line of blood.

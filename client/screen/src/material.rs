@@ -4,6 +4,7 @@ use sulcus_proto::display::{Finish, Kind};
 
 /// Material of a part.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[repr(u8)]
 pub enum Material {
     /// Mucosa: gingiva, cheek, floor of the mouth.
     Flesh,
@@ -18,6 +19,20 @@ pub enum Material {
 }
 
 impl Material {
+    /// All materials, by number.
+    pub const ALL: [Self; 5] = [
+        Self::Flesh,
+        Self::Tongue,
+        Self::Tooth,
+        Self::Metal,
+        Self::Plain,
+    ];
+
+    /// Number of the material in the vertices.
+    pub fn number(self) -> u8 {
+        self as u8
+    }
+
     /// Material of an object.
     pub fn of(kind: Kind) -> Self {
         match kind {

@@ -5,9 +5,9 @@ use std::ops::Range;
 use nalgebra::Vector3;
 use sulcus_proto::display::Moved;
 
-use crate::ball::Ball;
 use crate::blood;
 use crate::moment::Moment;
+use crate::plan;
 use crate::stage::{MM, Stage};
 
 impl Stage {
@@ -30,8 +30,10 @@ impl Stage {
             }
         }
         changed.sort_unstable();
-        for k in &changed {
-            self.balls[*k] = Ball::around(&self.moving[self.parts[*k].vertices.clone()]);
+        for k in 0..self.chunks.len() {
+            if changed.binary_search(&self.chunks[k].part).is_ok() {
+                self.chunks[k].ball = plan::around(self, &self.chunks[k].corners);
+            }
         }
         let touched = self
             .normals

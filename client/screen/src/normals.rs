@@ -17,6 +17,8 @@ const SAME_MM: f32 = 5e-3;
 #[derive(Default)]
 pub(crate) struct Normals {
     sums: Vec<Vector3<f32>>,
+    /// Differences of the sums from those of the whole mesh; empty for a whole mesh.
+    missing: Vec<Vector3<f32>>,
     groups: Vec<Vec<u32>>,
     /// For each part all parts that share a normal with it, itself first.
     sharing: Vec<Vec<usize>>,
@@ -40,6 +42,7 @@ impl Normals {
             .collect();
         Self {
             sums: vec![Vector3::zeros(); moving.len()],
+            missing: Vec::new(),
             sharing: sharing(parts, &groups),
             groups,
         }
@@ -48,6 +51,19 @@ impl Normals {
     /// Groups of vertices in one place.
     pub fn groups(&self) -> &[Vec<u32>] {
         &self.groups
+    }
+
+    /// Keeps the normals that `moving` has now, those of a whole mesh, for the mesh at rest. `corners` are those of the
+    /// thinned mesh.
+    pub fn keep(&mut self, parts: &[Part], corners: &[u32], moving: &mut [Moving]) {
+        let whole: Vec<Vector3<f32>> = moving.iter().map(|v| v.normal.into()).collect();
+        let all: Vec<usize> = (0..parts.len()).collect();
+        self.update(&all, parts, corners, moving);
+        let sums = self.sums.iter().zip(&whole);
+        let missing = sums.map(|(sum, normal)| normal * sum.norm() - sum);
+        self.missing = missing.collect();
+        // A mesh that returns to rest has the same bits as now.
+        self.update(&all, parts, corners, moving);
     }
 
     /// Writes the normals of changed parts, given by their numbers, and of vertices that share a normal with them.
@@ -60,7 +76,11 @@ impl Normals {
         moving: &mut [Moving],
     ) -> Vec<usize> {
         for part in changed.iter().map(|k| &parts[*k]) {
-            self.sums[part.vertices.clone()].fill(Vector3::zeros());
+            let own = part.vertices.clone();
+            match self.missing.get(own.clone()) {
+                Some(missing) => self.sums[own].copy_from_slice(missing),
+                None => self.sums[own].fill(Vector3::zeros()),
+            }
             for triangle in corners[part.corners.clone()].chunks_exact(3) {
                 let [a, b, c] = [0, 1, 2].map(|k| Vector3::from(moving[triangle[k] as usize].at));
                 let area = (b - a).cross(&(c - a));

@@ -1,7 +1,7 @@
 //! Order of triangles: neighbours in space are neighbours in the list.
 //!
 //! An adapter reuses the vertices that it has shaded a moment ago. A software adapter pays for each vertex again
-//! otherwise.
+//! otherwise. Mesa finds a shaded vertex by the low bits of its number, so that numbers follow the order of use.
 
 /// Bits of a coordinate in the order.
 const BITS: u32 = 10;
@@ -23,6 +23,20 @@ pub(crate) fn sort(places: &[[f32; 3]], triangles: &mut [[u32; 3]]) {
         spread(cell(0)) | spread(cell(1)) << 1 | spread(cell(2)) << 2
     };
     triangles.sort_by_cached_key(code);
+}
+
+/// Numbers the vertices anew, by their first use. Returns the former numbers of the used vertices.
+pub(crate) fn by_use(count: usize, triangles: &mut [[u32; 3]]) -> Vec<u32> {
+    let (mut kept, mut number) = (Vec::new(), vec![u32::MAX; count]);
+    for v in triangles.iter_mut().flatten() {
+        let new = &mut number[*v as usize];
+        if *new == u32::MAX {
+            *new = kept.len() as u32;
+            kept.push(*v);
+        }
+        *v = *new;
+    }
+    kept
 }
 
 /// Bits of a number, two places apart.
@@ -71,6 +85,11 @@ mod tests {
             "{before} {}",
             shaded(&sorted)
         );
+        let mut renumbered = sorted.clone();
+        let kept = by_use(places.len(), &mut renumbered);
+        assert_eq!(renumbered[0], [0, 1, 2]);
+        let back = renumbered.iter().map(|t| t.map(|v| kept[v as usize]));
+        assert!(back.eq(sorted.iter().copied()));
         sorted.sort_unstable();
         triangles.sort_unstable();
         assert_eq!(sorted, triangles, "no triangle is lost");

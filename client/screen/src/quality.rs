@@ -7,14 +7,14 @@ pub enum Quality {
     Full,
     /// Light for each pixel, shadows of 512 texels.
     Plain,
-    /// Light for each vertex, no shadows. For a processor without graphics.
+    /// Light for each vertex of thinned meshes, no shadows. For a processor without graphics.
     Low,
-    /// Light for each vertex of coarser meshes.
+    /// The same with meshes thinned more, and reflections of half the resolution.
     Lowest,
 }
 
 /// Looks of a level. Bands, mirror, bleeding and bared roots are part of every level.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Looks {
     /// Whether light is computed for each pixel, not for each vertex.
     pub per_pixel: bool,
@@ -24,8 +24,13 @@ pub struct Looks {
     pub shadow: u32,
     /// Whether the relief of stippling and undulation is drawn.
     pub relief: bool,
-    /// Edge of the cells in which vertices of soft tissue and teeth are merged, micrometres; 0 for whole meshes.
-    pub merged_um: u32,
+    /// Distance by which thinned meshes of soft tissue and teeth may differ from the scene's, micrometres; 0 for whole
+    /// meshes.
+    pub thinned_um: u32,
+    /// Pixels of the picture along an edge of a texel of a reflection.
+    pub texel: u32,
+    /// Least roughness of a vertex, 0 to 1: no vertex carries a highlight smaller than its triangles.
+    pub roughness: f32,
 }
 
 impl Quality {
@@ -44,18 +49,20 @@ impl Quality {
 
     /// Looks of the level.
     pub fn looks(self) -> Looks {
-        let (per_pixel, samples, shadow, relief, merged_um) = match self {
-            Self::Full => (true, 4, 1024, true, 0),
-            Self::Plain => (true, 1, 512, false, 0),
-            Self::Low => (false, 1, 0, false, 0),
-            Self::Lowest => (false, 1, 0, false, 1_200),
+        let (per_pixel, samples, shadow, relief, thinned_um, texel, roughness) = match self {
+            Self::Full => (true, 4, 1024, true, 0, 1, 0.0),
+            Self::Plain => (true, 1, 512, false, 0, 1, 0.0),
+            Self::Low => (false, 1, 0, false, 30, 1, 0.30),
+            Self::Lowest => (false, 1, 0, false, 90, 2, 0.40),
         };
         Looks {
             per_pixel,
             samples,
             shadow,
             relief,
-            merged_um,
+            thinned_um,
+            texel,
+            roughness,
         }
     }
 

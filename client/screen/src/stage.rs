@@ -6,14 +6,13 @@
 use std::ops::Range;
 
 use nalgebra::Vector3;
-use sulcus_proto::display::{DisplayGlass, DisplayMesh, DisplayScene, Finish, Kind, Skin, Spot};
+use sulcus_proto::display::{DisplayGlass, DisplayMesh, DisplayScene, Finish, Skin, Spot};
 
-use crate::ball::Ball;
-use crate::coarse;
 use crate::material::Material;
 use crate::normals::Normals;
 use crate::occlusion;
 use crate::order;
+use crate::plan::{self, Chunk};
 
 /// Millimetres in a metre.
 pub(crate) const MM: f32 = 1e3;
@@ -24,7 +23,7 @@ pub(crate) const MM: f32 = 1e3;
 pub struct Still {
     /// Place at rest, mm: noise is a function of it, so that patterns move with the tissue.
     pub rest: [f32; 3],
-    /// Colour, sRGB; alpha unused.
+    /// Colour, sRGB; the last number is the material's.
     pub albedo: [u8; 4],
     /// Roughness, stippling, thinness, and the share of the surroundings that is open, 255ths.
     pub finish: [u8; 4],
@@ -81,8 +80,8 @@ pub struct Stage {
     /// Six sites of bleeding by object, mm.
     pub(crate) sites: Vec<Vec<[f32; 3]>>,
     pub(crate) normals: Normals,
-    /// Ball around the present places of each part.
-    pub(crate) balls: Vec<Ball>,
+    /// Ranges of triangles that passes leave out when they lie beside the picture.
+    pub(crate) chunks: Vec<Chunk>,
     /// Objects that are not at rest.
     pub(crate) displaced: Vec<u16>,
     /// Blood of all vertices: each spot with its age, at most [`crate::blood::WHOLE_S`].
@@ -90,9 +89,18 @@ pub struct Stage {
 }
 
 impl Stage {
-    /// Stage of a scene. Meshes of objects are merged in cells of `merged_um` micrometres; 0 keeps them whole. Takes
-    /// some tenths of a second for a whole mouth.
-    pub fn new(scene: &DisplayScene, merged_um: u32) -> Self {
+    /// Stage of a scene. Meshes of objects are thinned, so that they differ from the scene's by about `thinned_um`
+    /// micrometres; 0 keeps them whole. Takes some tenths of a second for a whole mouth.
+    pub fn new(scene: &DisplayScene, thinned_um: u32) -> Self {
+        let mut stage = Self::whole(scene);
+        if thinned_um > 0 {
+            stage.thin(thinned_um as f32 * 1e-3);
+        }
+        stage.chunks = plan::chunks(&stage);
+        stage
+    }
+
+    fn whole(scene: &DisplayScene) -> Self {
         let mut stage = Self {
             still: Vec::new(),
             moving: Vec::new(),
@@ -102,7 +110,7 @@ impl Stage {
             skins: Vec::new(),
             sites: Vec::new(),
             normals: Normals::default(),
-            balls: Vec::new(),
+            chunks: Vec::new(),
             displaced: Vec::new(),
             bled: Vec::new(),
         };
@@ -113,25 +121,18 @@ impl Stage {
         order.sort_by_key(|k| Material::of(scene.objects[*k].kind));
         for k in order {
             let object = &scene.objects[k];
-            let cell = if object.kind == Kind::Other {
-                0
-            } else {
-                merged_um
-            };
             let owner = Owner::Object(k as u16);
-            let kept = stage.push(owner, Material::of(object.kind), &object.mesh, cell);
+            let kept = stage.push(owner, Material::of(object.kind), &object.mesh);
             stage.skins[k] = object.skin.clone().map(|skin| (skin, kept));
             let mm = |at: &[f32; 3]| at.map(|x| x * MM);
             stage.sites[k] = object.sites.iter().map(mm).collect();
         }
         let objects = stage.parts.len();
         for (k, tool) in (0..).zip(&scene.tools) {
-            stage.push(Owner::Tool(k), Material::Metal, &tool.mesh, 0);
+            stage.push(Owner::Tool(k), Material::Metal, &tool.mesh);
         }
         stage.normals = Normals::new(&stage.parts, &stage.moving);
         let all: Vec<usize> = (0..stage.parts.len()).collect();
-        let around = |part: &Part| Ball::around(&stage.moving[part.vertices.clone()]);
-        stage.balls = stage.parts.iter().map(around).collect();
         stage
             .normals
             .update(&all, &stage.parts, &stage.corners, &mut stage.moving);
@@ -153,21 +154,15 @@ impl Stage {
     }
 
     /// Appends a mesh. Returns the numbers of its kept vertices.
-    fn push(
-        &mut self,
-        owner: Owner,
-        material: Material,
-        mesh: &DisplayMesh,
-        cell_um: u32,
-    ) -> Vec<u32> {
+    fn push(&mut self, owner: Owner, material: Material, mesh: &DisplayMesh) -> Vec<u32> {
         let first = self.still.len();
         let places: Vec<[f32; 3]> = mesh.vertices().map(|at| at.map(|x| x * MM)).collect();
         let mut triangles: Vec<[u32; 3]> = mesh.triangles().collect();
         order::sort(&places, &mut triangles);
-        let (kept, triangles) = coarse::merged(&places, triangles, cell_um);
+        let kept = order::by_use(places.len(), &mut triangles);
         for v in &kept {
             let v = *v as usize;
-            let albedo = mesh.vertex_colours.get(v).copied().unwrap_or(mesh.colour);
+            let [r, g, b, _] = mesh.vertex_colours.get(v).copied().unwrap_or(mesh.colour);
             let finish = mesh.finishes.get(v).copied().unwrap_or(material.finish());
             let Finish {
                 roughness,
@@ -176,7 +171,7 @@ impl Stage {
             } = finish;
             self.still.push(Still {
                 rest: places[v],
-                albedo,
+                albedo: [r, g, b, material.number()],
                 finish: [roughness, stipple, thin, 255],
             });
             self.moving.push(Moving {

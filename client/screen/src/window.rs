@@ -336,7 +336,7 @@ impl Application {
         }
         let level = opened.governor.level();
         if self.drawn != Some(hash) || !opened.screen.is_ready(level) {
-            let stage = Stage::new(&scene, level.looks().merged_um);
+            let stage = Stage::new(&scene, level.looks().thinned_um);
             opened.screen.prepare(stage, level);
             self.drawn = Some(hash);
         }

@@ -49,7 +49,7 @@ impl<'a> Album<'a> {
         let glass: Glass = args.glass.parse().map_err(named).context("--glass")?;
         let hand: Handed = args.hand.parse().map_err(named).context("--hand")?;
         let head = Head::new(args.head_turn, args.head_tilt).map_err(named)?;
-        let stage = Stage::new(display.scene(), quality.looks().merged_um);
+        let stage = Stage::new(display.scene(), quality.looks().thinned_um);
         let triangles = stage.triangles();
         let tick_s = display.scene().tick_ns as f64 / 1e9;
         let first = shots.all.first().filter(|_| shots.is_sequence);

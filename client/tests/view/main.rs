@@ -2,6 +2,7 @@
 
 mod display;
 mod lesson;
+mod levels;
 mod pages;
 mod people;
 

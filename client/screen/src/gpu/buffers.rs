@@ -5,13 +5,14 @@ use std::ops::Range;
 use bytemuck::{Pod, cast_slice};
 use wgpu::{Buffer, BufferUsages, Device, Queue};
 
+use super::draw::Work;
+use crate::plan::{self, Plan};
 use crate::stage::{Moving, Stage};
 
-/// Vertices and corners of a stage.
+/// Vertices of a stage.
 pub(super) struct Buffers {
     pub still: Buffer,
     pub moving: Buffer,
-    pub corners: Buffer,
 }
 
 impl Buffers {
@@ -19,13 +20,6 @@ impl Buffers {
         Self {
             still: filled(device, queue, "still", BufferUsages::VERTEX, &stage.still),
             moving: filled(device, queue, "moving", BufferUsages::VERTEX, &stage.moving),
-            corners: filled(
-                device,
-                queue,
-                "corners",
-                BufferUsages::INDEX,
-                &stage.corners,
-            ),
         }
     }
 
@@ -38,6 +32,40 @@ impl Buffers {
                 offset as u64,
                 cast_slice(&moving[range.clone()]),
             );
+        }
+    }
+}
+
+/// Corners of one pass in the order in which they are drawn.
+pub(super) struct List {
+    pub corners: Buffer,
+    pub plan: Plan,
+}
+
+impl List {
+    pub fn new(device: &Device, stage: &Stage) -> Self {
+        let bytes = size_of_val(&stage.corners[..]) as u64;
+        Self {
+            corners: empty(device, "corners", BufferUsages::INDEX, bytes),
+            plan: Plan::default(),
+        }
+    }
+
+    /// Takes a plan. Corners in the order of the last plan are not written again.
+    pub fn set(&mut self, queue: &Queue, stage: &Stage, plan: Plan) {
+        if plan.chunks != self.plan.chunks && !plan.chunks.is_empty() {
+            let corners = plan::corners(stage, &plan);
+            queue.write_buffer(&self.corners, 0, cast_slice(&corners));
+        }
+        self.plan = plan;
+    }
+
+    /// Work with that of this list.
+    pub fn add(work: Work, list: &Self) -> Work {
+        let corners = list.plan.draws.iter().map(|draw| draw.corners.len());
+        Work {
+            draws: work.draws + list.plan.draws.len(),
+            triangles: work.triangles + corners.sum::<usize>() / 3,
         }
     }
 }

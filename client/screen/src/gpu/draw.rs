@@ -1,13 +1,13 @@
 //! The passes of a picture: shadows, reflections, the scene.
 
-use nalgebra::Matrix4;
 use wgpu::{
-    BindGroup, Buffer, BufferUsages, RenderPass, TextureFormat, TextureUsages, TextureView,
+    BindGroup, Buffer, BufferUsages, RenderPass, Texture, TextureFormat, TextureUsages, TextureView,
 };
 
 use super::adapter::Graphics;
-use super::buffers::{Buffers, empty};
+use super::buffers::{Buffers, List, empty};
 use super::panel::PanelDrawer;
+use super::pass::{Blocks, begin, constants, entry, offset};
 use super::pipelines::{Layouts, Pipelines};
 use super::read_back::{self, Image};
 use super::targets::{REFLECTION, Reflection, Targets, shadow_map, texture, view};
@@ -18,13 +18,18 @@ use crate::lamp::Lamp;
 use crate::mirror::{Disc, Window, reflected};
 use crate::moment::Moment;
 use crate::panel::Primitive;
+use crate::plan::{self, Alike, Plan, world};
 use crate::quality::{Looks, Quality};
 use crate::stage::{MM, Owner, Stage};
 
+/// Number of lists of corners: of the picture, of each reflection, of the shadows.
+const LISTS: usize = 2 + GLASSES;
 /// Largest number of glasses: a mirror in each hand.
 const GLASSES: usize = sulcus_proto::TOOLS;
 /// Share of light that a front-surface mirror reflects: rhodium, 70 to 75 %.
 const REFLECTED: f32 = 0.74;
+/// Light of a glass without a reflection; the shader has the same.
+const BLIND: [f64; 3] = [0.16, 0.17, 0.18];
 /// Corners of the fan of a glass; the shader counts the same sides.
 const FAN: u32 = 3 * 64;
 /// Background, linear light: the dark of a room beside the lamp's patch.
@@ -77,10 +82,21 @@ impl Drawing {
     }
 }
 
+/// Work of one picture, panel left out.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Work {
+    /// Calls.
+    pub draws: usize,
+    /// Triangles in these calls.
+    pub triangles: usize,
+}
+
 /// Reflection of one glass in one picture.
 struct Seen {
     pass: PassCamera,
     window: Window,
+    /// Number of the texture.
+    texture: usize,
     /// Texels used along both edges.
     used: [u32; 2],
 }
@@ -95,7 +111,8 @@ pub struct Renderer {
     layouts: Layouts,
     pipelines: Pipelines,
     shadows: TextureView,
-    reflections: [Reflection; GLASSES],
+    /// Textures of each glass, by size.
+    reflections: [[Reflection; REFLECTION.len()]; GLASSES],
     targets: Option<Targets>,
     passes: Buffer,
     parts: Buffer,
@@ -103,12 +120,18 @@ pub struct Renderer {
     /// Group of the lit passes, and of the shadow pass without the map that it draws.
     pass_groups: [BindGroup; 2],
     part_group: BindGroup,
-    glass_groups: [BindGroup; GLASSES],
+    glass_groups: [[BindGroup; REFLECTION.len()]; GLASSES],
+    /// Lists of corners: of the picture, of each reflection, of the shadows.
+    lists: [List; LISTS],
     panel: PanelDrawer,
-    /// Background of a reflection.
-    behind: wgpu::Color,
     /// Whether pictures are lit, not flat.
     is_lit: bool,
+    /// Whether the shaders code light as sRGB, not the target.
+    is_coded: bool,
+    /// Texture of pictures that nobody reads.
+    unread: Option<Texture>,
+    /// Work of the last picture.
+    work: Work,
 }
 
 impl Renderer {
@@ -124,12 +147,14 @@ impl Renderer {
         if mode == Mode::Identity {
             (looks.samples, looks.shadow) = (1, 0);
         }
+        let is_coded = mode == Mode::Beauty && !format.is_srgb();
         let device = &graphics.device;
         let buffers = Buffers::new(device, &graphics.queue, &stage);
         let layouts = Layouts::new(device);
         let pipelines = Pipelines::new(device, &layouts, format, &looks, mode == Mode::Identity);
         let shadows = shadow_map(device, looks.shadow);
-        let reflections = [(); GLASSES].map(|()| Reflection::new(device, format));
+        let reflections =
+            [(); GLASSES].map(|()| REFLECTION.map(|edge| Reflection::new(device, format, edge)));
         let block = |label, count: usize| {
             empty(device, label, BufferUsages::UNIFORM, STRIDE * count as u64)
         };
@@ -164,14 +189,19 @@ impl Renderer {
             [&shadows, &none].map(|map| group(&layouts.pass, &passes, Some((map, &compared))));
         let part_group = group(&layouts.part, &parts, None);
         let glass_groups = std::array::from_fn(|k| {
-            let picture = &reflections[k].picture;
-            group(&layouts.glass, &glasses, Some((picture, &smooth)))
+            std::array::from_fn(|size| {
+                let picture = &reflections[k][size].picture;
+                group(&layouts.glass, &glasses, Some((picture, &smooth)))
+            })
         });
+        let lists = std::array::from_fn(|_| List::new(device, &stage));
         let panel = PanelDrawer::new(device, format);
         Self {
             panel,
             is_lit: mode == Mode::Beauty,
-            behind: if mode == Mode::Identity { DARK } else { ROOM },
+            is_coded,
+            unread: None,
+            work: Work::default(),
             format,
             looks,
             layouts,
@@ -185,6 +215,7 @@ impl Renderer {
             pass_groups,
             part_group,
             glass_groups,
+            lists,
             buffers,
             stage,
             graphics,
@@ -194,8 +225,8 @@ impl Renderer {
     /// Drawer of pictures in memory.
     pub fn new(graphics: Graphics, stage: Stage, quality: Quality, mode: Mode) -> Self {
         let format = match mode {
-            Mode::Beauty => TextureFormat::Rgba8UnormSrgb,
-            Mode::Identity => TextureFormat::Rgba8Unorm,
+            Mode::Beauty if quality.looks().per_pixel => TextureFormat::Rgba8UnormSrgb,
+            _ => TextureFormat::Rgba8Unorm,
         };
         Self::with_format(graphics, stage, quality, mode, format)
     }
@@ -221,6 +252,7 @@ impl Renderer {
             layout: &self.layouts.part,
             entries: &[entry(0, constants(&self.parts))],
         });
+        self.lists = std::array::from_fn(|_| List::new(device, &stage));
         self.stage = stage;
     }
 
@@ -278,6 +310,39 @@ impl Renderer {
         read_back::read(&self.graphics, &target)
     }
 
+    /// Draws an instant as a window does, and waits until it is drawn. Nobody reads the picture.
+    ///
+    /// # Errors
+    /// The driver fails.
+    pub fn unread(
+        &mut self,
+        drawing: &Drawing,
+        moment: &Moment,
+        size: [u32; 2],
+    ) -> Result<(), ScreenError> {
+        let is_there = |made: &Texture| [made.width(), made.height()] == size;
+        let target = match self.unread.take().filter(is_there) {
+            Some(target) => target,
+            None => {
+                let usage = TextureUsages::RENDER_ATTACHMENT;
+                texture(&self.graphics.device, "unread", self.format, size, 1, usage)
+            }
+        };
+        self.draw(drawing, moment, &[], &view(&target), size);
+        self.unread = Some(target);
+        let waited = self
+            .graphics
+            .device
+            .poll(wgpu::PollType::wait_indefinitely());
+        waited.map_err(|error| ScreenError::Lost(error.to_string()))?;
+        self.graphics.check()
+    }
+
+    /// Work of the last picture.
+    pub fn work(&self) -> Work {
+        self.work
+    }
+
     /// Draws an instant into a texture of `size` pixels.
     pub(crate) fn draw(
         &mut self,
@@ -301,48 +366,105 @@ impl Renderer {
         let main = drawing.camera.pass();
         let seen = self.seen(&main, moment, size);
         self.write(drawing, moment, &main, &seen);
+        let lamp = drawing.lamp.shadows();
+        self.plan(LISTS - 1, moment, &lamp, None, self.looks.shadow > 0);
+        for (k, seen) in seen.iter().enumerate() {
+            let clip = seen.as_ref().map(|seen| seen.pass.matrix());
+            self.plan(
+                1 + k,
+                moment,
+                &clip.unwrap_or_default(),
+                Some(k),
+                clip.is_some(),
+            );
+        }
+        self.plan(0, moment, &main.matrix(), None, true);
+        self.work = self.lists.iter().fold(Work::default(), List::add);
+        let [dark, room] = [DARK, if self.is_lit { ROOM } else { DARK }].map(|c| self.coded(c));
         let descriptor = wgpu::CommandEncoderDescriptor::default();
         let mut encoder = self.graphics.device.create_command_encoder(&descriptor);
         if self.looks.shadow > 0 {
-            let mut pass = begin(&mut encoder, None, &self.shadows, DARK);
+            let mut pass = begin(&mut encoder, None, &self.shadows, dark);
             pass.set_pipeline(&self.pipelines.shadow);
-            self.meshes(&mut pass, 1, 0, moment, None, &drawing.lamp.shadows());
+            self.meshes(&mut pass, LISTS - 1, &[true, false]);
         }
         for (k, seen) in seen.iter().enumerate() {
             let Some(seen) = seen else { continue };
-            let reflection = &self.reflections[k];
+            let reflection = &self.reflections[k][seen.texture];
             let mut pass = begin(
                 &mut encoder,
                 Some((&reflection.picture, None)),
                 &reflection.depth,
-                self.behind,
+                room,
             );
             let [w, h] = seen.used.map(|n| n as f32);
             pass.set_viewport(0.0, 0.0, w, h, 0.0, 1.0);
             pass.set_pipeline(&self.pipelines.reflected[usize::from(seen.pass.turns)]);
-            self.meshes(&mut pass, 0, 1 + k, moment, Some(k), &seen.pass.matrix());
+            self.meshes(&mut pass, 1 + k, &[true, false]);
         }
         if let Some(targets) = &self.targets {
             let colour = match &targets.samples {
                 Some(samples) => (samples, Some(target)),
                 None => (target, None),
             };
-            let mut pass = begin(&mut encoder, Some(colour), &targets.depth, DARK);
-            pass.set_pipeline(&self.pipelines.meshes[usize::from(main.turns)]);
-            self.meshes(&mut pass, 0, 0, moment, None, &main.matrix());
-            pass.set_pipeline(&self.pipelines.glass);
+            let mut pass = begin(&mut encoder, Some(colour), &targets.depth, dark);
+            let meshes = &self.pipelines.meshes[usize::from(main.turns)];
+            pass.set_pipeline(meshes);
+            self.meshes(&mut pass, 0, &[true]);
+            // Glass hides what lies behind, as tools do.
+            let is_dull = drawing.fog > 0.0 || drawing.scratches > 0.0;
+            pass.set_pipeline(&self.pipelines.glass[usize::from(is_dull)]);
             for (k, glass) in self.stage.glasses.iter().enumerate().take(GLASSES) {
                 if glass.is_some() && moment.tools[k].held {
-                    pass.set_bind_group(0, &self.glass_groups[k], &[offset(k)]);
+                    let texture = seen[k].as_ref().map_or(0, |seen| seen.texture);
+                    pass.set_bind_group(0, &self.glass_groups[k][texture], &[offset(k)]);
                     pass.draw(0..FAN, 0..1);
+                    self.work.draws += 1;
+                    self.work.triangles += FAN as usize / 3;
                 }
             }
+            pass.set_pipeline(meshes);
+            self.meshes(&mut pass, 0, &[false]);
         }
         if !panel.is_empty() {
             self.panel
                 .draw(&self.graphics, &mut encoder, panel, target, size);
         }
         self.graphics.queue.submit([encoder.finish()]);
+    }
+
+    /// Number of the target for an amount of light.
+    fn number(&self, light: f64) -> f64 {
+        if self.is_coded {
+            1.055 * light.powf(1.0 / 2.4) - 0.055
+        } else {
+            light
+        }
+    }
+
+    /// Background in the numbers of the target.
+    fn coded(&self, light: wgpu::Color) -> wgpu::Color {
+        let [r, g, b] = [light.r, light.g, light.b].map(|light| self.number(light));
+        wgpu::Color {
+            r,
+            g,
+            b,
+            a: light.a,
+        }
+    }
+
+    /// Share of a reflection's numbers that clean glass shows, and the numbers of glass without a reflection.
+    fn clean(&self, is_seen: bool) -> [f32; 4] {
+        if is_seen {
+            let share = if self.is_coded {
+                REFLECTED.powf(1.0 / 2.2)
+            } else {
+                REFLECTED
+            };
+            return [share, 0.0, 0.0, 0.0];
+        }
+        let [r, g, b] = BLIND.map(|light| self.number(light) as f32);
+        [0.0, r, g, b]
     }
 
     /// Reflections that the picture shows, by tool.
@@ -357,9 +479,18 @@ impl Renderer {
                 radius: f64::from(glass.radius * MM),
             };
             let (pass, window) = reflected(main, &disc, size).filter(|_| tool.held)?;
-            let pixels = |half: f64, pixels: u32| (half * f64::from(pixels)).round() as u32;
-            let used = [0, 1].map(|k| pixels(window.half[k], size[k]).clamp(1, REFLECTION));
-            Some(Seen { pass, window, used })
+            let texels = |half: f64, pixels: u32| {
+                (half * f64::from(pixels) / f64::from(self.looks.texel)).round() as u32
+            };
+            let [.., most] = REFLECTION;
+            let used = [0, 1].map(|k| texels(window.half[k], size[k]).clamp(1, most));
+            let edge = used[0].max(used[1]);
+            Some(Seen {
+                pass,
+                window,
+                texture: REFLECTION.iter().position(|size| edge <= *size)?,
+                used,
+            })
         })
     }
 
@@ -372,7 +503,8 @@ impl Renderer {
         seen: &[Option<Seen>; GLASSES],
     ) {
         let queue = &self.graphics.queue;
-        let block = |camera: &PassCamera| PassBlock::new(camera, &drawing.lamp, &self.looks);
+        let block =
+            |camera: &PassCamera| PassBlock::new(camera, &drawing.lamp, &self.looks, self.is_coded);
         // Each write is a copy of its own for the adapter: all blocks of a kind go together.
         let mut passes = Blocks::default();
         passes.put(0, &block(main));
@@ -393,8 +525,11 @@ impl Renderer {
             };
             let [nx, ny, nz] = glass.normal;
             let [cx, cy, cz] = glass.centre.map(|x| x * MM);
-            let used = seen.as_ref().map_or([0; 2], |seen| seen.used);
-            let [u, v] = used.map(|n| n as f32 / REFLECTION as f32);
+            let share = |seen: &Seen| {
+                seen.used
+                    .map(|n| n as f32 / REFLECTION[seen.texture] as f32)
+            };
+            let [u, v] = seen.as_ref().map_or([0.0; 2], share);
             let block = GlassBlock {
                 camera: columns(&main.matrix()),
                 world: moment.tools[k].matrix().into(),
@@ -409,7 +544,8 @@ impl Renderer {
                     f32::from(u8::from(seen.is_some())),
                     0.0,
                 ],
-                used: [u, v, 0.0, 0.0],
+                used: [u, v, f32::from(u8::from(self.is_coded)), 0.0],
+                clean: self.clean(seen.is_some()),
             };
             glasses.put(k, &block);
         }
@@ -418,137 +554,64 @@ impl Renderer {
             (&self.parts, parts),
             (&self.glasses, glasses),
         ];
-        for (buffer, blocks) in all.into_iter().filter(|(_, blocks)| !blocks.0.is_empty()) {
-            queue.write_buffer(buffer, 0, &blocks.0);
+        for (buffer, blocks) in all
+            .into_iter()
+            .filter(|(_, blocks)| !blocks.bytes().is_empty())
+        {
+            queue.write_buffer(buffer, 0, blocks.bytes());
         }
     }
 
-    /// Draws all parts within the clip space `clip` but the tool `without`. Tools that no hand holds are not drawn.
-    fn meshes(
-        &self,
-        pass: &mut RenderPass<'_>,
-        group: usize,
-        block: usize,
+    /// Plans a pass with the list `number`.
+    fn plan(
+        &mut self,
+        number: usize,
         moment: &Moment,
-        without: Option<usize>,
         clip: &Matrix,
+        without: Option<usize>,
+        is_needed: bool,
     ) {
+        let alike = match (self.is_lit, self.looks.per_pixel) {
+            (false, _) => Alike::Nothing,
+            (true, true) => Alike::Material,
+            // Light for each vertex takes the material from the vertex.
+            (true, false) => Alike::Objects,
+        };
+        let pass = plan::Pass {
+            moment,
+            clip,
+            without,
+            alike,
+        };
+        let plan = if is_needed {
+            plan::plan(&self.stage, &pass)
+        } else {
+            Plan::default()
+        };
+        self.lists[number].set(&self.graphics.queue, &self.stage, plan);
+    }
+
+    /// Draws the tools of a list (`true`) and its objects (`false`).
+    fn meshes(&self, pass: &mut RenderPass<'_>, number: usize, kinds: &[bool]) {
+        // The last list is that of the shadows: its own group has no shadow map.
+        let (group, block) = if number == LISTS - 1 {
+            (1, 0)
+        } else {
+            (0, number)
+        };
+        let list = &self.lists[number];
         pass.set_bind_group(0, &self.pass_groups[group], &[offset(block)]);
         pass.set_vertex_buffer(0, self.buffers.still.slice(..));
         pass.set_vertex_buffer(1, self.buffers.moving.slice(..));
-        pass.set_index_buffer(self.buffers.corners.slice(..), wgpu::IndexFormat::Uint32);
-        // Draw of several parts: number of its first part, and its corners.
-        let mut together: Option<(usize, std::ops::Range<u32>)> = None;
-        let parts = self.stage.parts.iter().zip(&self.stage.balls);
-        for (k, (part, ball)) in parts.enumerate() {
-            let is_drawn = match part.owner {
-                Owner::Object(_) => true,
-                Owner::Tool(tool) => {
-                    let tool = usize::from(tool);
-                    moment.tools[tool].held && without != Some(tool)
-                }
-            };
-            let is_seen = || ball.is_seen(&world(part.owner, moment), clip);
-            if is_drawn && !part.corners.is_empty() && is_seen() {
-                let own = part.corners.start as u32..part.corners.end as u32;
-                match &mut together {
-                    Some((first, corners))
-                        if corners.end == own.start && self.is_alike(*first, k) =>
-                    {
-                        corners.end = own.end;
-                    }
-                    together => {
-                        if let Some((first, corners)) = together.replace((k, own)) {
-                            pass.set_bind_group(1, &self.part_group, &[offset(first)]);
-                            pass.draw_indexed(corners, 0, 0..1);
-                        }
-                    }
-                }
-            }
-        }
-        if let Some((first, corners)) = together {
-            pass.set_bind_group(1, &self.part_group, &[offset(first)]);
-            pass.draw_indexed(corners, 0, 0..1);
-        }
-    }
-
-    /// Whether two parts have the same constants: objects of one material in a lit picture.
-    fn is_alike(&self, a: usize, b: usize) -> bool {
-        let (a, b) = (&self.stage.parts[a], &self.stage.parts[b]);
-        let are_objects = [a, b]
+        pass.set_index_buffer(list.corners.slice(..), wgpu::IndexFormat::Uint32);
+        for draw in list
+            .plan
+            .draws
             .iter()
-            .all(|part| matches!(part.owner, Owner::Object(_)));
-        self.is_lit && are_objects && a.material == b.material
+            .filter(|draw| kinds.contains(&draw.is_tool))
+        {
+            pass.set_bind_group(1, &self.part_group, &[offset(draw.part)]);
+            pass.draw_indexed(draw.corners.clone(), 0, 0..1);
+        }
     }
-}
-
-/// World from the axes of a part.
-fn world(owner: Owner, moment: &Moment) -> Matrix4<f32> {
-    match owner {
-        Owner::Object(_) => Matrix4::identity(),
-        Owner::Tool(tool) => moment.tools[usize::from(tool)].matrix(),
-    }
-}
-
-/// Blocks of constants, one every [`STRIDE`] bytes.
-#[derive(Default)]
-struct Blocks(Vec<u8>);
-
-impl Blocks {
-    fn put<T: bytemuck::Pod>(&mut self, number: usize, block: &T) {
-        let bytes = bytemuck::bytes_of(block);
-        let begin = STRIDE as usize * number;
-        self.0.resize(begin + STRIDE as usize, 0);
-        self.0[begin..begin + bytes.len()].copy_from_slice(bytes);
-    }
-}
-
-fn offset(block: usize) -> u32 {
-    (STRIDE * block as u64) as u32
-}
-
-fn entry(binding: u32, resource: wgpu::BindingResource<'_>) -> wgpu::BindGroupEntry<'_> {
-    wgpu::BindGroupEntry { binding, resource }
-}
-
-/// Block of a buffer of blocks; the offset is given with each use.
-fn constants(buffer: &Buffer) -> wgpu::BindingResource<'_> {
-    wgpu::BindingResource::Buffer(wgpu::BufferBinding {
-        buffer,
-        offset: 0,
-        size: std::num::NonZeroU64::new(STRIDE),
-    })
-}
-
-/// Begins a pass that clears its targets: colour with an optional resolve target, and depth.
-fn begin<'e>(
-    encoder: &'e mut wgpu::CommandEncoder,
-    colour: Option<(&TextureView, Option<&TextureView>)>,
-    depth: &TextureView,
-    clear: wgpu::Color,
-) -> RenderPass<'e> {
-    let colour = colour.map(|(view, resolve_target)| {
-        Some(wgpu::RenderPassColorAttachment {
-            view,
-            depth_slice: None,
-            resolve_target,
-            ops: wgpu::Operations {
-                load: wgpu::LoadOp::Clear(clear),
-                store: wgpu::StoreOp::Store,
-            },
-        })
-    });
-    encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-        label: None,
-        color_attachments: colour.as_slice(),
-        depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
-            view: depth,
-            depth_ops: Some(wgpu::Operations {
-                load: wgpu::LoadOp::Clear(1.0),
-                store: wgpu::StoreOp::Store,
-            }),
-            stencil_ops: None,
-        }),
-        ..Default::default()
-    })
 }

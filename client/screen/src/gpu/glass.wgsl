@@ -11,8 +11,10 @@ struct Glass {
     normal: vec4f,
     // Fog 0 to 1; scratches 0 to 1; whether the reflected pass has a picture.
     looks: vec4f,
-    // Used share of the texture along both edges.
+    // Used share of the texture along both edges; whether picture and target have sRGB numbers instead of light.
     used: vec4f,
+    // Share of the picture's numbers, and numbers added: a glass without a picture has these alone.
+    clean: vec4f,
 };
 
 @group(0) @binding(0) var<uniform> glass: Glass;
@@ -50,6 +52,19 @@ fn vertex(@builtin(vertex_index) index: u32) -> Place {
     return out;
 }
 
+// Light of the picture's numbers, and numbers for the target, to a hundredth, without powers.
+fn linear(c: vec3f) -> vec3f {
+    return select(c, c * (c * (c * 0.3053 + 0.6822) + 0.0125), glass.used.z > 0.5);
+}
+
+fn coded(light: vec3f) -> vec3f {
+    let s1 = sqrt(light);
+    let s2 = sqrt(s1);
+    let s3 = sqrt(s2);
+    let high = 0.662002687 * s1 + 0.684122060 * s2 - 0.323583601 * s3 - 0.0225411470 * light;
+    return select(light, max(high, vec3f(0.0)), glass.used.z > 0.5);
+}
+
 fn hash(p: vec2f) -> f32 {
     return fract(sin(dot(p, vec2f(127.1, 311.7))) * 43758.5453);
 }
@@ -59,14 +74,24 @@ fn pixel(in: Place) -> @location(0) vec4f {
     let ndc = in.ndc.xy / in.ndc.w;
     let in_window = (ndc - glass.window.xy) / glass.window.zw;
     let uv = vec2f(0.5 + 0.5 * in_window.x, 0.5 - 0.5 * in_window.y) * glass.used.xy;
-    var seen = textureSampleLevel(picture, picture_sampler, uv, 0.0).rgb;
+    var seen = linear(textureSampleLevel(picture, picture_sampler, uv, 0.0).rgb);
     seen = select(vec3f(0.16, 0.17, 0.18), seen * glass.normal.w, glass.looks.z > 0.5);
     // Fog lies thickest in the middle; breath clears from the rim.
     let fog = glass.looks.x * (1.0 - smoothstep(0.2, 1.1, length(in.on)));
     seen = mix(seen, vec3f(0.55, 0.57, 0.58), fog);
     let line = abs(fract(in.on.x * 3.1 + 0.9 * in.on.y + hash(floor(in.on * 4.0)) * 0.02) - 0.5);
     seen = mix(seen, vec3f(0.7), glass.looks.y * 0.5 * (1.0 - smoothstep(0.004, 0.012, line)));
-    return vec4f(seen, 1.0);
+    return vec4f(coded(seen), 1.0);
+}
+
+// Clean glass, without powers and branches: most of a picture's glass is drawn by a processor.
+@fragment
+fn clean(in: Place) -> @location(0) vec4f {
+    let in_window = (in.ndc.xy / in.ndc.w - glass.window.xy) / glass.window.zw;
+    let uv = vec2f(0.5 + 0.5 * in_window.x, 0.5 - 0.5 * in_window.y) * glass.used.xy;
+    let seen = textureSampleLevel(picture, picture_sampler, uv, 0.0).rgb;
+    // A share of light is the share's own number of sRGB numbers, to a hundredth.
+    return vec4f(seen * glass.clean.x + glass.clean.yzw, 1.0);
 }
 
 @fragment

@@ -4,6 +4,7 @@ mod adapter;
 mod buffers;
 mod draw;
 mod panel;
+mod pass;
 mod pipelines;
 mod read_back;
 mod surface;
@@ -11,6 +12,6 @@ mod targets;
 mod uniforms;
 
 pub use adapter::{Backend, Graphics};
-pub use draw::{Drawing, Mode, Renderer};
+pub use draw::{Drawing, Mode, Renderer, Work};
 pub use read_back::Image;
 pub use surface::{Screen, Target};

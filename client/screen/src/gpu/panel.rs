@@ -30,6 +30,8 @@ pub(super) struct PanelDrawer {
     size: Buffer,
     corners: Buffer,
     atlas: Option<(Atlas, BindGroup)>,
+    /// Whether the target takes light, and codes it as sRGB itself.
+    takes_light: bool,
 }
 
 impl PanelDrawer {
@@ -93,6 +95,7 @@ impl PanelDrawer {
             size: empty(device, "size of the panel", BufferUsages::UNIFORM, 16),
             corners: quad_buffer(device, QUADS),
             atlas: None,
+            takes_light: format.is_srgb(),
         }
     }
 
@@ -115,7 +118,11 @@ impl PanelDrawer {
             .flat_map(|quad| {
                 let [u, v] = quad.texels.at.map(|x| x as f32);
                 let [w, h] = quad.texels.size.map(|x| x as f32);
-                let colour = linear(quad.rgba);
+                let colour = if self.takes_light {
+                    linear(quad.rgba)
+                } else {
+                    quad.rgba.map(|c| f32::from(c) / 255.0)
+                };
                 let corner = move |right: bool, low: bool| Corner {
                     at: [
                         if right { quad.max[0] } else { quad.min[0] },

@@ -22,8 +22,8 @@ pub(super) struct Pipelines {
     pub meshes: [RenderPipeline; 2],
     /// The same for a reflection, which has one sample.
     pub reflected: [RenderPipeline; 2],
-    /// Glass.
-    pub glass: RenderPipeline,
+    /// Glass: clean, and with fog or scratches.
+    pub glass: [RenderPipeline; 2],
     /// Depth of the shadow map.
     pub shadow: RenderPipeline,
 }
@@ -185,19 +185,21 @@ impl Pipelines {
         Self {
             meshes: fronts.map(|front| meshes(front, looks.samples)),
             reflected: fronts.map(|front| meshes(front, 1)),
-            glass: Recipe {
-                label: "glass",
-                module: &glass,
-                vertex: "vertex",
-                fragment: Some((if identity { "identity" } else { "pixel" }, target.clone())),
-                buffers: &[],
-                layouts: &[Some(&layouts.glass)],
-                front: FrontFace::Ccw,
-                cull: None,
-                samples: looks.samples,
-                depth: true,
-            }
-            .pipeline(device),
+            glass: ["clean", "pixel"].map(|entry| {
+                Recipe {
+                    label: "glass",
+                    module: &glass,
+                    vertex: "vertex",
+                    fragment: Some((if identity { "identity" } else { entry }, target.clone())),
+                    buffers: &[],
+                    layouts: &[Some(&layouts.glass)],
+                    front: FrontFace::Ccw,
+                    cull: None,
+                    samples: looks.samples,
+                    depth: true,
+                }
+                .pipeline(device)
+            }),
             shadow: Recipe {
                 label: "shadow",
                 module: &scene,

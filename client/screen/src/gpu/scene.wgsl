@@ -13,7 +13,7 @@ struct Pass {
     beam: vec4f,
     // Horizontal unit vector of the patch; half height of the patch as tangent.
     patch_axis: vec4f,
-    // Strength of the relief; exposure; unused.
+    // Strength of the relief; exposure; whether the target takes sRGB numbers instead of light; least roughness.
     looks: vec4f,
 };
 
@@ -23,6 +23,8 @@ struct Part {
     material: vec4f,
     // Colour of the identity picture.
     identity: vec4f,
+    // The same numbers of all materials.
+    materials: array<vec4f, 5>,
 };
 
 @group(0) @binding(0) var<uniform> pass_: Pass;
@@ -158,8 +160,8 @@ fn room(at: vec3f, along: vec3f) -> vec3f {
     return mix(below, vec3f(0.62, 0.64, 0.66) * side, up);
 }
 
-fn shade(at: vec3f, smooth_normal: vec3f, bumped: vec3f, colour: vec3f, finish: vec4f, blood: f32, lit: f32) -> vec3f {
-    let f0 = part.material.w;
+fn shade(at: vec3f, smooth_normal: vec3f, bumped: vec3f, colour: vec3f, finish: vec4f, blood: f32, lit: f32, material: vec4f) -> vec3f {
+    let f0 = material.w;
     let is_metal = f0 > 0.3;
     let wet = smoothstep(0.42, 0.58, blood);
     let albedo = mix(colour, vec3f(0.30, 0.018, 0.012), wet);
@@ -170,7 +172,7 @@ fn shade(at: vec3f, smooth_normal: vec3f, bumped: vec3f, colour: vec3f, finish: 
     let v = normalize(pass_.eye.xyz - at);
     let h = normalize(l + v);
     let key = pass_.light.w * patch_share(at) * lit * mix(1.0, open, 0.45);
-    let wrap = part.material.xyz;
+    let wrap = material.xyz;
     let diffuse = max(vec3f(0.0), (vec3f(dot(smooth_normal, l)) + wrap) / (1.0 + wrap)) / (1.0 + wrap);
     // Multiple bounces between surfaces of this colour (Jimenez, "Practical realtime strategies", 2016).
     let a = 2.0404 * albedo - 0.3324;
@@ -210,6 +212,19 @@ fn develop(light: vec3f) -> vec3f {
     return select(c, high, c > vec3f(0.7));
 }
 
+// Numbers for the target: sRGB without powers, to two thousandths, where the target does not code light itself.
+fn coded(light: vec3f) -> vec3f {
+    if (pass_.looks.z == 0.0) {
+        return light;
+    }
+    let c = max(light, vec3f(0.0));
+    let s1 = sqrt(c);
+    let s2 = sqrt(s1);
+    let s3 = sqrt(s2);
+    let high = 0.662002687 * s1 + 0.684122060 * s2 - 0.323583601 * s3 - 0.0225411470 * c;
+    return select(high, 12.92 * c, c <= vec3f(0.0031308));
+}
+
 @vertex
 fn vertex_for_pixels(in: Vertex) -> Lit {
     let at = part.world * vec4f(in.at, 1.0);
@@ -241,7 +256,7 @@ fn lit_pixel(in: Lit) -> @location(0) vec4f {
         relief -= n * dot(relief, n);
         bumped = normalize(n - relief * amount);
     }
-    let light = shade(in.at, n, bumped, albedo, in.finish, in.blood, shadow(in.at, n));
+    let light = shade(in.at, n, bumped, albedo, in.finish, in.blood, shadow(in.at, n), part.material);
     return vec4f(develop(light), 1.0);
 }
 
@@ -258,8 +273,9 @@ fn lit_vertex(in: Vertex) -> Flat {
     out.clip = pass_.camera * at;
     // A vertex cannot carry a highlight smaller than its triangles.
     var finish = in.finish;
-    finish.x = max(finish.x, 0.30);
-    out.light = develop(shade(at.xyz, n, n, linear(in.albedo.rgb), finish, in.blood, 1.0));
+    finish.x = max(finish.x, pass_.looks.w);
+    let material = part.materials[u32(in.albedo.a * 255.0 + 0.5)];
+    out.light = coded(develop(shade(at.xyz, n, n, linear(in.albedo.rgb), finish, in.blood, 1.0, material)));
     return out;
 }
 

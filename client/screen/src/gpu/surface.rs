@@ -2,7 +2,10 @@
 
 use std::sync::Arc;
 
-use wgpu::{CurrentSurfaceTexture, PresentMode, Surface, SurfaceConfiguration, SurfaceTexture};
+use wgpu::{
+    CurrentSurfaceTexture, PresentMode, Surface, SurfaceConfiguration, SurfaceTexture,
+    TextureFormat,
+};
 
 use super::adapter::Graphics;
 use super::draw::{Drawing, Mode, Renderer};
@@ -18,7 +21,17 @@ pub struct Screen {
     graphics: Graphics,
     surface: Surface<'static>,
     config: SurfaceConfiguration,
+    /// Format that takes sRGB numbers, and one that takes light.
+    formats: [TextureFormat; 2],
     renderer: Option<(Renderer, Quality)>,
+}
+
+/// Whether a format has eight bits for each of four channels.
+fn eight_bits(format: TextureFormat) -> bool {
+    matches!(
+        format.remove_srgb_suffix(),
+        TextureFormat::Rgba8Unorm | TextureFormat::Bgra8Unorm
+    )
 }
 
 /// Texture of the surface that takes the next picture.
@@ -47,9 +60,12 @@ impl Screen {
                 ScreenError::NoDisplay("the adapter does not serve the window".into())
             })?;
         let offered = surface.get_capabilities(&graphics.adapter);
-        // Colours are linear in the shaders.
-        let coded = offered.formats.iter().find(|format| format.is_srgb());
-        config.format = coded.copied().unwrap_or(config.format);
+        let format = |wanted: bool| {
+            let mut all = offered.formats.iter().copied();
+            all.find(|format| eight_bits(*format) && format.is_srgb() == wanted)
+                .unwrap_or(config.format)
+        };
+        let formats = [format(false), format(true)];
         config.present_mode = if offered.present_modes.contains(&PresentMode::Mailbox) {
             PresentMode::Mailbox
         } else {
@@ -62,6 +78,7 @@ impl Screen {
             graphics,
             surface,
             config,
+            formats,
             renderer: None,
         })
     }
@@ -97,9 +114,14 @@ impl Screen {
         match &mut self.renderer {
             Some((renderer, ready)) if *ready == level => renderer.replace(stage),
             renderer => {
+                // A software adapter pays for coding light as sRGB. Cheap levels do this for each vertex.
+                let format = self.formats[usize::from(level.looks().per_pixel)];
+                if self.config.format != format {
+                    self.config.format = format;
+                    self.surface.configure(&self.graphics.device, &self.config);
+                }
                 let graphics = self.graphics.clone();
-                let made =
-                    Renderer::with_format(graphics, stage, level, Mode::Beauty, self.config.format);
+                let made = Renderer::with_format(graphics, stage, level, Mode::Beauty, format);
                 *renderer = Some((made, level));
             }
         }

@@ -4,8 +4,8 @@ use wgpu::{Device, Texture, TextureFormat, TextureUsages, TextureView};
 
 /// Format of all depth textures.
 pub(super) const DEPTH: TextureFormat = TextureFormat::Depth32Float;
-/// Edge of the texture of a reflection, texels.
-pub(super) const REFLECTION: u32 = 768;
+/// Edges of the textures of a reflection, texels. A software adapter pays for clearing a texture that is too large.
+pub(super) const REFLECTION: [u32; 3] = [256, 512, 768];
 
 /// Textures of a picture of one size.
 pub(super) struct Targets {
@@ -27,15 +27,15 @@ impl Targets {
     }
 }
 
-/// Textures of the reflection in one glass.
+/// Textures of the reflection in one glass, of one size.
 pub(super) struct Reflection {
     pub picture: TextureView,
     pub depth: TextureView,
 }
 
 impl Reflection {
-    pub fn new(device: &Device, format: TextureFormat) -> Self {
-        let (size, usage) = ([REFLECTION; 2], TextureUsages::RENDER_ATTACHMENT);
+    pub fn new(device: &Device, format: TextureFormat, edge: u32) -> Self {
+        let (size, usage) = ([edge; 2], TextureUsages::RENDER_ATTACHMENT);
         let both = usage | TextureUsages::TEXTURE_BINDING;
         Self {
             picture: view(&texture(device, "reflection", format, size, 1, both)),

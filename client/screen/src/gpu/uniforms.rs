@@ -30,7 +30,7 @@ pub(super) struct PassBlock {
 }
 
 impl PassBlock {
-    pub fn new(camera: &PassCamera, lamp: &Lamp, looks: &Looks) -> Self {
+    pub fn new(camera: &PassCamera, lamp: &Lamp, looks: &Looks, is_coded: bool) -> Self {
         let [beam, across] = lamp.axes();
         let [wide, high] = lamp.tangents();
         let texel = if looks.shadow > 0 {
@@ -46,7 +46,12 @@ impl PassBlock {
             light: with(&lamp.at, KEY * lamp.brightness as f32),
             beam: with(&beam, wide as f32),
             patch_axis: with(&across, high as f32),
-            looks: [relief, EXPOSURE, 0.0, 0.0],
+            looks: [
+                relief,
+                EXPOSURE,
+                f32::from(u8::from(is_coded)),
+                looks.roughness,
+            ],
         }
     }
 }
@@ -58,15 +63,20 @@ pub(super) struct PartBlock {
     world: [[f32; 4]; 4],
     material: [f32; 4],
     identity: [f32; 4],
+    materials: [[f32; 4]; Material::ALL.len()],
 }
 
 impl PartBlock {
     pub fn new(world: &Matrix4<f32>, material: Material, identity: [f32; 4]) -> Self {
-        let [r, g, b] = material.wrap();
+        let values = |material: Material| {
+            let [r, g, b] = material.wrap();
+            [r, g, b, material.reflectance()]
+        };
         Self {
             world: (*world).into(),
-            material: [r, g, b, material.reflectance()],
+            material: values(material),
             identity,
+            materials: Material::ALL.map(values),
         }
     }
 }
@@ -82,6 +92,7 @@ pub(super) struct GlassBlock {
     pub normal: [f32; 4],
     pub looks: [f32; 4],
     pub used: [f32; 4],
+    pub clean: [f32; 4],
 }
 
 /// Window as one vector: middle, then half size.

@@ -18,7 +18,12 @@ pub fn graphics() -> Option<Graphics> {
 
 /// Drawer of a scene.
 pub fn renderer(scene: &DisplayScene, quality: Quality, mode: Mode) -> Option<Renderer> {
-    let stage = Stage::new(scene, quality.looks().merged_um);
+    // Identity pictures are compared with the meshes of the scene.
+    let thinned_um = match mode {
+        Mode::Beauty => quality.looks().thinned_um,
+        Mode::Identity => 0,
+    };
+    let stage = Stage::new(scene, thinned_um);
     Some(Renderer::new(graphics()?, stage, quality, mode))
 }
 

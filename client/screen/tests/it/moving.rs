@@ -114,6 +114,34 @@ fn moved_vertices_move_their_pixels_and_no_others() {
 }
 
 #[test]
+fn thinned_tissue_moves_as_far_as_whole_tissue() {
+    let scene = mouth();
+    let eye = before_the_sheets();
+    let pull = vec![pulled(SHEETS[0], 1, V::new(0.5, 0.0, 3.0))];
+    let (rest, moment) = (Moment::rest(&scene), with(&scene, pull, false));
+    let mut areas = Vec::new();
+    for quality in Quality::ALL {
+        let Some(mut renderer) = renderer(&scene, quality, Mode::Beauty) else {
+            return;
+        };
+        let [before, moved, after] =
+            [&rest, &moment, &rest].map(|moment| eye.picture(&mut renderer, moment));
+        assert!(before == after, "{quality:?}: no return to rest");
+        // Light changes by little where a surface moves in its own plane.
+        let is_far =
+            |(_, _, a, b): &(u32, u32, [u8; 4], [u8; 4])| (0..3).any(|k| a[k].abs_diff(b[k]) > 12);
+        let area = eye.pixels(1.0).powi(2);
+        areas.push(pairs(&before, &moved).filter(is_far).count() as f64 / area);
+    }
+    println!("moved by level: {areas:.1?} mm2");
+    let whole = areas[1];
+    assert!(
+        whole > 2.0 && areas.iter().all(|own| (0.5..2.0).contains(&(own / whole))),
+        "{areas:.1?}"
+    );
+}
+
+#[test]
 fn a_tool_between_two_instants_is_halfway_in_place_and_angle() {
     let scene = mouth();
     let Some(mut renderer) = renderer(&scene, Quality::Low, Mode::Identity) else {

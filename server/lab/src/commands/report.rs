@@ -32,6 +32,9 @@ pub struct ReportArgs {
     /// File with the numbers of other engines, written by `cargo bench -p sulcus-peers --features rapier`
     #[arg(long, value_name = "FILE")]
     peers: Option<PathBuf>,
+    /// File with the costs of the student's screen, written by the example `cost` of `sulcus-screen` with `--json`
+    #[arg(long, value_name = "FILE")]
+    screen: Option<PathBuf>,
     /// Document for the measured tables: replaces all lines between `<!-- begin: measured -->` and `<!-- end: measured -->`
     ///
     /// The tables have machine, commit, date, and the command that measures each again. A full report has all of
@@ -60,6 +63,7 @@ pub(crate) fn run(args: &ReportArgs) -> anyhow::Result<u8> {
         quick: args.quick,
         paper: args.paper.is_some(),
         peers: args.peers.as_deref().map(read_peers).transpose()?,
+        screen: args.screen.as_deref().map(read_screen).transpose()?,
     };
     let found = measure(options, &|what, share| progress.report(what, share))?;
     let json = serde_json::to_string(&found).context("the numbers cannot be written")?;
@@ -86,6 +90,9 @@ pub(crate) fn run(args: &ReportArgs) -> anyhow::Result<u8> {
 
 /// Measures one part of the paper and prints it: no page, no files.
 fn one_part(part: Part, args: &ReportArgs, progress: &ProgressLines) -> anyhow::Result<u8> {
+    if args.screen.is_some() {
+        bail!("--screen is given, expected not with a part of the paper: it goes onto the page");
+    }
     if args.peers.is_some() {
         bail!("--peers is given, expected not with a part of the paper: it goes onto the page");
     }
@@ -111,14 +118,31 @@ fn one_part(part: Part, args: &ReportArgs, progress: &ProgressLines) -> anyhow::
 
 /// Reads what the bench against other engines wrote.
 fn read_peers(path: &Path) -> anyhow::Result<serde_json::Value> {
+    let writer = "cargo bench -p sulcus-peers --features rapier";
+    read_lists(path, "--peers", &["rows", "ratios"], writer)
+}
+
+/// Reads what the example of the screen wrote.
+fn read_screen(path: &Path) -> anyhow::Result<serde_json::Value> {
+    let writer = "cargo run --release -p sulcus-screen --example cost";
+    read_lists(path, "--screen", &["rows", "levels", "bounds"], writer)
+}
+
+/// Reads the file of an option. `fields` are lists that the file must have, `writer` is the command that writes it.
+fn read_lists(
+    path: &Path,
+    option: &str,
+    fields: &[&str],
+    writer: &str,
+) -> anyhow::Result<serde_json::Value> {
     let text = std::fs::read_to_string(path)
-        .with_context(|| format!("{}: cannot read the file of --peers", path.shown()))?;
+        .with_context(|| format!("{}: cannot read the file of {option}", path.shown()))?;
     let value: serde_json::Value =
         serde_json::from_str(&text).with_context(|| format!("{}: is not JSON", path.shown()))?;
-    for field in ["rows", "ratios"] {
+    for field in fields {
         if !value.get(field).is_some_and(serde_json::Value::is_array) {
             bail!(
-                "{}: has no list `{field}`: expected what `cargo bench -p sulcus-peers --features rapier` writes",
+                "{}: has no list `{field}`: expected what `{writer}` writes",
                 path.shown()
             );
         }
@@ -143,6 +167,8 @@ mod tests {
         assert!(said("[1]").contains("`rows`"));
         std::fs::write(&path, "{\"rows\": [], \"ratios\": []}").expect("written");
         assert!(read_peers(&path).is_ok());
+        let other = format!("{:#}", read_screen(&path).expect_err("refused"));
+        assert!(other.contains("`levels`"), "{other}");
         let missing = read_peers(&folder.path().join("no.json")).expect_err("refused");
         assert!(format!("{missing:#}").contains("no.json"));
     }

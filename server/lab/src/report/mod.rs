@@ -58,6 +58,8 @@ pub(crate) struct Report {
     pub(crate) finite_elements: Vec<AgainstFem>,
     /// What the bench against other engines wrote.
     pub(crate) peers: Option<serde_json::Value>,
+    /// Costs of the student's screen, from a file.
+    pub(crate) screen: Option<serde_json::Value>,
     /// Everything that the paper prints beside what is measured here.
     pub(crate) paper: Option<Beside>,
     pub(crate) took_s: f64,
@@ -84,6 +86,7 @@ pub(crate) struct Options {
     /// The paper, figure by figure, too.
     pub(crate) paper: bool,
     pub(crate) peers: Option<serde_json::Value>,
+    pub(crate) screen: Option<serde_json::Value>,
 }
 
 /// Parts of the work and their shares of the time, for the progress.
@@ -162,6 +165,7 @@ pub(crate) fn measure(options: Options, progress: &dyn Fn(&str, f64)) -> anyhow:
         one_dof,
         finite_elements: elements,
         peers: options.peers,
+        screen: options.screen,
         paper,
         took_s: begun.elapsed().as_secs_f64(),
         parts_s,

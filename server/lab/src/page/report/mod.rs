@@ -7,6 +7,7 @@ mod passivity;
 mod peers;
 mod plots;
 mod rates;
+mod screen;
 
 use askama::Template;
 
@@ -21,6 +22,7 @@ use matrix::Matrix;
 use passivity::Passivity;
 use peers::Peers;
 use plots::{Growth, OneDof, PaperFigure, Speed};
+use screen::Screen;
 
 /// Load of a machine, as a share of its logical cores, beyond which times are too long.
 const BUSY: f64 = 1.25;
@@ -41,6 +43,7 @@ struct Page<'a> {
     growth: Vec<Growth<'a>>,
     one_dof: OneDof,
     peers: Option<Peers>,
+    screen: Option<Screen>,
     paper: Option<Paper<'a>>,
 }
 
@@ -72,6 +75,7 @@ pub(crate) fn page(report: &Report) -> askama::Result<String> {
         growth: report.growth.lines.iter().map(Growth::of).collect(),
         one_dof: OneDof::of(&report.one_dof),
         peers: report.peers.as_ref().map(Peers::of),
+        screen: report.screen.as_ref().map(Screen::of),
         paper: report.paper.as_ref().map(|beside| Paper {
             beside,
             figures: beside.curves.iter().map(PaperFigure::of).collect(),

@@ -35,6 +35,17 @@ fn small() -> Report {
             "rows": [{"scene": "a <block>", "engine": "another", "tick_us": {"p50": 1.0}}],
             "ratios": [{"name": "time", "value": 0.5, "at_least": 1.0, "holds": false}],
         })),
+        screen: Some(serde_json::json!({
+            "machine": {"processor": "a <processor>", "cores": 2},
+            "adapter": "one",
+            "size": [1280, 720],
+            "bounds": [{"level": "low", "ms": 30.0}, {"level": "lowest", "ms": 16.0}],
+            "levels": [{"level": "low", "light": "each vertex", "always": ["bands", "mirror"]}],
+            "rows": [
+                {"level": "low", "view": "buccal", "draws": 4, "mirror_ms": 29.5},
+                {"level": "lowest", "view": "buccal", "draws": 4, "mirror_ms": 16.5},
+            ],
+        })),
         paper: None,
         took_s: 1.0,
         parts_s: Vec::new(),
@@ -58,4 +69,26 @@ fn the_three_answers_stand_before_everything_else_and_nothing_is_fetched() {
     }
     // What comes from files is text, not markup.
     assert!(html.contains("a &#60;block&#62;") && html.contains("does not hold"));
+}
+
+#[test]
+fn costs_of_the_screen_stand_beside_their_bounds_and_looks() {
+    let html = page(&small()).expect("a page");
+    let section = html.split("id=\"screen\"").nth(1).expect("the section");
+    let section = section.split("</section>").next().unwrap_or_default();
+    assert!(section.contains("a &#60;processor&#62;, 2 logical cores"));
+    assert!(section.contains("1280 x 720") && section.contains("bands, mirror"));
+    let [low, lowest] = ["29.5", "16.5"].map(|ms| section.find(ms).expect("a row"));
+    let [holds, broken] =
+        ["\"holds\"", "\"broken\""].map(|word| section.find(word).expect("a word"));
+    assert!(low < holds && holds < lowest && lowest < broken);
+    let without = Report {
+        screen: None,
+        ..small()
+    };
+    assert!(
+        page(&without)
+            .expect("a page")
+            .contains("Not in this report. The example")
+    );
 }

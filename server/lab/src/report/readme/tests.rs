@@ -29,6 +29,7 @@ fn small() -> Report {
         one_dof: Vec::new(),
         finite_elements: Vec::new(),
         peers: None,
+        screen: None,
         paper: None,
         took_s: 1.0,
         parts_s: Vec::new(),

@@ -26,7 +26,7 @@ use sulcus_core::Vec3;
 
 use crate::mesh::TriMesh;
 use crate::mesh::implicit::ramp;
-use crate::mesh::polygonise::polygonise;
+use crate::mesh::polygonise::polygonise_distance;
 use form::{Form, Size};
 
 pub use crate::file::ToothSizes;
@@ -117,7 +117,8 @@ impl Tooth {
         // grid that gives a manifold is taken.
         let on_grid = |k: u32| {
             let shift = Vec3::new(0.37, 0.61, 0.83) * (self.grid_mm * 0.25 * f64::from(k));
-            polygonise(&inside, low - shift, high, self.grid_mm).placed(1e-3, Vec3::zeros())
+            polygonise_distance(&inside, low - shift, high, self.grid_mm)
+                .placed(1e-3, Vec3::zeros())
         };
         let mut mesh = on_grid(0);
         for k in 1..8 {
@@ -186,7 +187,12 @@ impl Tooth {
     fn raised(&self, drawn: f64) -> f64 {
         let mut z = drawn;
         for _ in 0..40 {
-            z = drawn * self.factor(z);
+            let next = drawn * self.factor(z);
+            // Further steps would repeat this one.
+            if next == z {
+                break;
+            }
+            z = next;
         }
         z
     }

@@ -24,7 +24,8 @@ pub(super) const POINTS: [usize; 2] =
 /// Points of a column with their marks, world, mm.
 pub(super) fn path(mouth: &Mouth<'_>, column: &Column, side: usize) -> Vec<(Vec3, Mark)> {
     let way = [1.0, -1.0][side];
-    let from = place(mouth, &column.start, 0.0);
+    let surface = surface(mouth, &column.start);
+    let from = place(mouth, &column.start, surface, 0.0);
     let line = fmin(
         mouth.levels.mucogingival(side, column.low),
         from.z - sizes::LEAST,
@@ -48,10 +49,10 @@ pub(super) fn path(mouth: &Mouth<'_>, column: &Column, side: usize) -> Vec<(Vec3
     for row in 0..=GINGIVA {
         let below = depth(&column.start, whole, row);
         let share = below / whole;
-        let at = place(mouth, &column.start, below);
+        let at = place(mouth, &column.start, surface, below);
         if row == 0 {
             points.push((
-                sunk(mouth, &column.start),
+                sunk(mouth, &column.start, surface),
                 mark(Part::Gingiva, 0.0, 0.0, 0.0),
             ));
             continue;
@@ -71,12 +72,21 @@ pub(super) fn path(mouth: &Mouth<'_>, column: &Column, side: usize) -> Vec<(Vec3
     points
 }
 
+/// Distance of the tooth's surface from its axis at the start of a column, mm. The search takes longer than all other
+/// steps of a column.
+fn surface(mouth: &Mouth<'_>, start: &Start) -> f64 {
+    match *start {
+        Start::Margin { cell, around, z } => mouth.cells[cell].surface(around, z),
+        Start::Papilla(_) | Start::Crest(_) => 0.0,
+    }
+}
+
 /// Point of the tooth's surface, or under a papilla's tip, `below` mm under the start of a column.
-fn place(mouth: &Mouth<'_>, start: &Start, below: f64) -> Vec3 {
+fn place(mouth: &Mouth<'_>, start: &Start, surface: f64, below: f64) -> Vec3 {
     match *start {
         Start::Margin { cell, around, z } => {
             let cell = &mouth.cells[cell];
-            let groove = cell.surface(around, z) - cell.tooth.sections.radius(around, z);
+            let groove = surface - cell.tooth.sections.radius(around, z);
             // Down the leaning tooth, as far below the margin.
             let below = below / cell.tooth.frame.axis.z;
             let r = cell.tooth.sections.radius(around, z - below);
@@ -91,9 +101,11 @@ fn place(mouth: &Mouth<'_>, start: &Start, below: f64) -> Vec3 {
 }
 
 /// First point of a column. At a margin it lies inside the tooth, so that no light passes.
-fn sunk(mouth: &Mouth<'_>, start: &Start) -> Vec3 {
+fn sunk(mouth: &Mouth<'_>, start: &Start, surface: f64) -> Vec3 {
     match *start {
-        Start::Margin { cell, around, z } => margin_point(mouth, cell, around, z),
+        Start::Margin { cell, around, z } => {
+            mouth.cells[cell].world(around, surface - sizes::SUNK, z)
+        }
         Start::Papilla(at) | Start::Crest(at) => at,
     }
 }
