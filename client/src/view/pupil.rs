@@ -9,7 +9,7 @@ use sulcus_screen::first::{FirstLesson, Seen, Step};
 use sulcus_screen::hand::Shared;
 use sulcus_screen::moment::Moment;
 use sulcus_screen::panel::{Detail, Mode, PanelState, Primitive, lesson};
-use sulcus_screen::show::{Act, SCREEN, Show};
+use sulcus_screen::show::{Act, SCREEN, Show, Wanted};
 use sulcus_screen::strings::{ENGLISH, fill};
 use sulcus_screen::trainer::{BAND_READ, Lesson, Rule, place};
 use sulcus_screen::views::View;
@@ -27,7 +27,7 @@ pub struct Pupil {
     begun: Option<(FirstLesson, Lesson)>,
     /// Step that was finished last.
     finished: Option<Step>,
-    wanted: Option<View>,
+    wanted: Option<Wanted>,
     tick: u64,
 }
 
@@ -38,7 +38,7 @@ impl Pupil {
             live,
             begun: None,
             finished: None,
-            wanted: Some(View::Buccal),
+            wanted: Some(view_of(Some(Step::Hold))),
             tick: 0,
         }
     }
@@ -77,10 +77,22 @@ impl Pupil {
         let json = serde_json::json!({ "lesson": step.name() }).to_string();
         self.live.say(SCREEN, json);
         self.finished = Some(step);
-        self.wanted = Some(match self.step() {
-            Some(Step::Read) => View::CloseUp,
-            _ => View::Buccal,
-        });
+        self.wanted = Some(view_of(self.step()));
+    }
+}
+
+/// View of a step. `None`: the end of the lesson.
+fn view_of(step: Option<Step>) -> Wanted {
+    let (view, zoom) = match step {
+        // The probe rests some centimetres above the tooth.
+        Some(Step::Hold) => (View::Buccal, 0.4),
+        Some(Step::Read) => (View::CloseUp, 1.0),
+        _ => (View::Buccal, 1.0),
+    };
+    Wanted {
+        view,
+        tooth: None,
+        zoom,
     }
 }
 
@@ -153,8 +165,8 @@ impl Show for Pupil {
         self.live.hands()
     }
 
-    fn wanted_view(&mut self) -> Option<(View, Option<u8>)> {
-        self.wanted.take().map(|view| (view, None))
+    fn wanted_view(&mut self) -> Option<Wanted> {
+        self.wanted.take()
     }
 
     fn is_over(&mut self) -> bool {
