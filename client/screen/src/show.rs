@@ -42,8 +42,8 @@ pub trait Show {
         None
     }
 
-    /// View that the content asks for, with the tooth in its middle. Each view is asked for once.
-    fn wanted_view(&mut self) -> Option<(View, Option<u8>)> {
+    /// View that the content asks for. Each view is asked for once.
+    fn wanted_view(&mut self) -> Option<Wanted> {
         None
     }
 
@@ -59,6 +59,17 @@ pub trait Show {
 
     /// Whether the session has ended and the window is to close.
     fn is_over(&mut self) -> bool;
+}
+
+/// View that a content asks for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Wanted {
+    /// View.
+    pub view: View,
+    /// FDI number of the tooth in its middle; `None`: the usual one.
+    pub tooth: Option<u8>,
+    /// Magnification.
+    pub zoom: f64,
 }
 
 /// Act of the person at the window.

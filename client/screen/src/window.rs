@@ -330,9 +330,10 @@ impl Application {
         let Some((hash, scene)) = self.show.scene() else {
             return;
         };
-        if let Some((view, tooth)) = self.show.wanted_view() {
-            self.eye.tooth = tooth;
-            self.eye.choose(view);
+        if let Some(wanted) = self.show.wanted_view() {
+            self.eye.tooth = wanted.tooth;
+            self.eye.choose(wanted.view);
+            self.eye.zoom = wanted.zoom;
         }
         let level = opened.governor.level();
         if self.drawn != Some(hash) || !opened.screen.is_ready(level) {

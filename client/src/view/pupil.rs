@@ -9,8 +9,9 @@ use sulcus_screen::first::{FirstLesson, Seen, Step};
 use sulcus_screen::hand::Shared;
 use sulcus_screen::moment::Moment;
 use sulcus_screen::panel::{Detail, Mode, PanelState, Primitive, lesson};
-use sulcus_screen::show::{Act, SCREEN, Show};
+use sulcus_screen::show::{Act, SCREEN, Show, Wanted};
 use sulcus_screen::strings::{ENGLISH, fill};
+use sulcus_screen::text::{TextSize, Weight, wrap};
 use sulcus_screen::trainer::{BAND_READ, Lesson, Rule, place};
 use sulcus_screen::views::View;
 
@@ -20,6 +21,11 @@ use super::live::Live;
 const QUESTIONS: usize = 50;
 const SEED: u64 = 1;
 
+/// Largest number of rows of a task in the picture.
+const TASK_ROWS: usize = 4;
+/// White of the panel.
+const WHITE: [u8; 4] = [255; 4];
+
 /// Session of a first lesson.
 pub struct Pupil {
     live: Live,
@@ -27,7 +33,7 @@ pub struct Pupil {
     begun: Option<(FirstLesson, Lesson)>,
     /// Step that was finished last.
     finished: Option<Step>,
-    wanted: Option<View>,
+    wanted: Option<Wanted>,
     tick: u64,
 }
 
@@ -38,7 +44,7 @@ impl Pupil {
             live,
             begun: None,
             finished: None,
-            wanted: Some(View::Buccal),
+            wanted: Some(view_of(Some(Step::Hold))),
             tick: 0,
         }
     }
@@ -72,15 +78,46 @@ impl Pupil {
         self.finish(done);
     }
 
+    /// Title of the lesson, and its present task behind the confirmation of the step before.
+    fn words(&self) -> Option<[String; 2]> {
+        let (first, _) = self.begun.as_ref()?;
+        let words = &ENGLISH.first;
+        let number = |step: Step| step as usize;
+        let done = self.finished.map(|step| words.done[number(step)]);
+        let task = match first.step() {
+            Some(Step::Touch) if first.is_heavy() => words.heavy,
+            Some(step) => words.tasks[number(step)],
+            None => words.ended,
+        };
+        let count = Step::ALL.len();
+        let present = first.step().map_or(count, |step| number(step) + 1);
+        let [present, count] = [present, count].map(|n| n.to_string());
+        let title = fill(words.title, &[&present, &count]);
+        let task = done.into_iter().chain([task]).collect::<Vec<_>>().join(" ");
+        Some([title, task])
+    }
+
     fn finish(&mut self, done: Option<Step>) {
         let Some(step) = done else { return };
         let json = serde_json::json!({ "lesson": step.name() }).to_string();
         self.live.say(SCREEN, json);
         self.finished = Some(step);
-        self.wanted = Some(match self.step() {
-            Some(Step::Read) => View::CloseUp,
-            _ => View::Buccal,
-        });
+        self.wanted = Some(view_of(self.step()));
+    }
+}
+
+/// View of a step. `None`: the end of the lesson.
+fn view_of(step: Option<Step>) -> Wanted {
+    let (view, zoom) = match step {
+        // The probe rests some centimetres above the tooth.
+        Some(Step::Hold) => (View::Buccal, 0.4),
+        Some(Step::Read) => (View::CloseUp, 1.0),
+        _ => (View::Buccal, 1.0),
+    };
+    Wanted {
+        view,
+        tooth: None,
+        zoom,
     }
 }
 
@@ -105,29 +142,35 @@ impl Show for Pupil {
 
     fn panel(&mut self, detail: Detail) -> PanelState {
         let mut state = self.live.panel(detail);
-        let Some((first, _)) = &self.begun else {
-            return state;
-        };
-        let words = &ENGLISH.first;
-        let count = Step::ALL.len();
-        let number = |step: Step| step as usize;
-        let done = self.finished.map(|step| words.done[number(step)]);
-        let task = match first.step() {
-            Some(Step::Touch) if first.is_heavy() => words.heavy,
-            Some(step) => words.tasks[number(step)],
-            None => words.ended,
-        };
-        let present = first.step().map_or(count, |step| number(step) + 1);
-        let [present, count] = [present, count].map(|n| n.to_string());
-        state.help.title = fill(words.title, &[&present, &count]);
-        state.help.task = done.into_iter().chain([task]).collect::<Vec<_>>().join(" ");
+        if let Some(words) = self.words() {
+            [state.help.title, state.help.task] = words;
+        }
         state
     }
 
     fn overlay(&mut self, window: [u32; 2], scale: f32) -> Option<Vec<Primitive>> {
         let (first, questions) = self.begun.as_ref()?;
-        let asks = first.step() == Some(Step::Read);
-        asks.then(|| lesson(questions, Mode::Practice, window, scale, &ENGLISH).list)
+        if first.step() != Some(Step::Read) {
+            return None;
+        }
+        let panel = lesson(questions, Mode::Practice, window, scale, &ENGLISH);
+        let mut list = panel.list;
+        // The question takes the place of the panel, so the step is named in the picture.
+        let [title, task] = self.words()?;
+        let size = TextSize::at_most(16.0 * scale);
+        let row = 1.25 * size.height();
+        let columns = size.columns(panel.free.width() - 2.0 * row);
+        let lines = [vec![title], wrap(&task, columns, TASK_ROWS)].concat();
+        for (k, text) in lines.into_iter().enumerate() {
+            list.push(Primitive::Glyphs {
+                at: [row, row * (k as f32 + 0.5)],
+                size,
+                weight: Weight::Bold,
+                text,
+                rgba: WHITE,
+            });
+        }
+        Some(list)
     }
 
     fn mark(&mut self) -> Option<Vector> {
@@ -153,8 +196,8 @@ impl Show for Pupil {
         self.live.hands()
     }
 
-    fn wanted_view(&mut self) -> Option<(View, Option<u8>)> {
-        self.wanted.take().map(|view| (view, None))
+    fn wanted_view(&mut self) -> Option<Wanted> {
+        self.wanted.take()
     }
 
     fn is_over(&mut self) -> bool {

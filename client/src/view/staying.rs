@@ -15,7 +15,7 @@ use sulcus_proto::display::{DisplayScene, SceneHash};
 use sulcus_screen::hand::Shared;
 use sulcus_screen::moment::Moment;
 use sulcus_screen::panel::{self, Detail, End, PanelState, Primitive};
-use sulcus_screen::show::{Act, Show};
+use sulcus_screen::show::{Act, Show, Wanted};
 use sulcus_screen::strings::ENGLISH;
 use sulcus_screen::views::View;
 use sulcus_sessions::Mode;
@@ -100,7 +100,7 @@ pub struct Staying {
     page: Option<Page>,
     /// Begin of the loop.
     begun: Instant,
-    wanted: Option<(View, Option<u8>)>,
+    wanted: Option<Wanted>,
     over: Arc<AtomicBool>,
     /// For a session by mouse: ends the session.
     ends: Option<Arc<AtomicBool>>,
@@ -131,7 +131,11 @@ impl Staying {
     fn take_pages(&mut self) {
         while let Ok(page) = self.pages.try_recv() {
             if let Some((_, view, tooth)) = &page.replay {
-                self.wanted = Some((*view, Some(*tooth)));
+                self.wanted = Some(Wanted {
+                    view: *view,
+                    tooth: Some(*tooth),
+                    zoom: 1.0,
+                });
                 self.begun = Instant::now();
             }
             self.page = Some(page);
@@ -182,7 +186,7 @@ impl Show for Staying {
         self.live.hands()
     }
 
-    fn wanted_view(&mut self) -> Option<(View, Option<u8>)> {
+    fn wanted_view(&mut self) -> Option<Wanted> {
         self.wanted.take()
     }
 

@@ -169,9 +169,9 @@ fn says(fault: Fault, site: &SiteGrade, graded: &Graded) -> String {
             let tilt = site.tilt_deg.unwrap_or_default();
             match site.into_col_deg.filter(|_| site.site.is_proximal()) {
                 Some(into) => format!(
-                    "the probe stood here {tilt:.0} degrees off the tooth’s axis, {into:.0} of them into the col."
+                    "the probe stood here {tilt:.0} degrees off the tooth's axis, {into:.0} of them into the col."
                 ),
-                None => format!("the probe stood here {tilt:.0} degrees off the tooth’s axis."),
+                None => format!("the probe stood here {tilt:.0} degrees off the tooth's axis."),
             }
         }
         Fault::Off => format!(
@@ -191,7 +191,8 @@ mod tests {
         // A metric of forces and one of readings have lost points.
         graded.grade.metrics[2].name = "touches_too_heavy";
         let found = instants(&graded, 4);
-        assert_eq!(found.len(), 4);
+        // Two zones of tooth 36 have a force above 0.3 N, from which tissue bleeds.
+        assert_eq!(found.len(), 2);
         assert!(found[0].says.contains("pressed with"), "{found:?}");
         for one in &found {
             let zone = Some((one.tooth, one.site));
@@ -218,9 +219,9 @@ mod tests {
             metric.score = Some(100.0);
         }
         graded.grade.critical.clear();
-        assert_eq!(instants(&graded, MOST), []);
+        assert!(instants(&graded, MOST).is_empty());
         let (_, mut graded) = session("x", KINDS[0], 1);
         graded.series.0.clear();
-        assert_eq!(instants(&graded, MOST), []);
+        assert!(instants(&graded, MOST).is_empty());
     }
 }
