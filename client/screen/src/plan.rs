@@ -165,3 +165,85 @@ fn call(number: usize, part: &Part, alike: Alike) -> usize {
         _ => number,
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::camera::{Camera, Vector};
+    use sulcus_proto::datagram::WirePose;
+    use sulcus_proto::display::{DisplayMesh, DisplayObject, DisplayScene, DisplayTool, Kind};
+
+    /// Triangle of 2 mm about a place in mm.
+    fn triangle(at: [f32; 3]) -> DisplayMesh {
+        let corner = |y: f32, z: f32| [at[0], at[1] + y, at[2] + z].map(|x| x * 1e-3);
+        let corners = [corner(-1.0, -1.0), corner(1.0, -1.0), corner(0.0, 1.0)];
+        DisplayMesh::new(&corners, &[[0, 1, 2]], [200; 4], &[]).expect("a mesh")
+    }
+
+    /// A far tooth, a near one, a tongue between them, a tooth beside the picture, and a tool.
+    fn scene() -> DisplayScene {
+        let object = |(kind, at)| DisplayObject {
+            kind,
+            fdi: 0,
+            mesh: triangle(at),
+            skin: None,
+            sites: Vec::new(),
+        };
+        let objects = [
+            (Kind::Tooth, [-20.0, 0.0, 0.0]),
+            (Kind::Tooth, [20.0, 0.0, 0.0]),
+            (Kind::Tongue, [0.0, 0.0, 0.0]),
+            (Kind::Tooth, [0.0, 500.0, 0.0]),
+        ];
+        let tool = DisplayTool {
+            name: "probe".into(),
+            mesh: triangle([0.0; 3]),
+            bands: Vec::new(),
+            glass: None,
+            tip: [0.0; 3],
+            tip_axis: [0.0, 0.0, -1.0],
+            park: WirePose::IDENTITY,
+        };
+        DisplayScene {
+            tick_ns: 1_000_000,
+            tools: vec![tool],
+            objects: objects.map(object).into(),
+        }
+    }
+
+    #[test]
+    fn a_pass_takes_what_it_sees_from_front_to_back_in_few_calls() {
+        let scene = scene();
+        let stage = Stage::new(&scene, 0);
+        let eye = Vector::new(400.0, 0.0, 0.0);
+        let camera = Camera::looking(eye, Vector::zeros(), Vector::z(), 10.0, 1.5);
+        let clip = camera.pass().matrix();
+        let mut moment = Moment::rest(&scene);
+        let owners = |alike, moment: &Moment, without| {
+            let pass = Pass {
+                moment,
+                clip: &clip,
+                without,
+                alike,
+            };
+            let plan = plan(&stage, &pass);
+            let corners = corners(&stage, &plan);
+            let ends = plan.draws.last().map_or(0, |draw| draw.corners.end);
+            assert_eq!(corners.len(), ends as usize);
+            let part = |k: &u32| stage.parts[stage.chunks[*k as usize].part].owner;
+            let owners: Vec<Owner> = plan.chunks.iter().map(part).collect();
+            (plan.draws.len(), owners)
+        };
+        let [far, near, tongue] = [0, 1, 2].map(Owner::Object);
+        let all = owners(Alike::Objects, &moment, None);
+        assert_eq!(all, (1, vec![near, tongue, far]));
+        let material = owners(Alike::Material, &moment, None);
+        assert_eq!(material, (2, vec![near, far, tongue]));
+        let (calls, alone) = owners(Alike::Nothing, &moment, None);
+        assert_eq!((calls, alone), (3, vec![near, tongue, far]));
+        moment.tools[0].held = true;
+        let held = owners(Alike::Objects, &moment, None);
+        assert_eq!(held, (2, vec![Owner::Tool(0), near, tongue, far]));
+        assert_eq!(owners(Alike::Objects, &moment, Some(0)), all);
+    }
+}

@@ -53,7 +53,7 @@ impl Quality {
             Self::Full => (true, 4, 1024, true, 0, 1, 0.0),
             Self::Plain => (true, 1, 512, false, 0, 1, 0.0),
             Self::Low => (false, 1, 0, false, 30, 1, 0.30),
-            Self::Lowest => (false, 1, 0, false, 90, 2, 0.40),
+            Self::Lowest => (false, 1, 0, false, 110, 2, 0.40),
         };
         Looks {
             per_pixel,
