@@ -52,6 +52,7 @@ fn a_pedal_alone_charts_and_the_recording_names_hand_rest_and_head() {
         "--finger-rest",
         "tooth",
         "--speak",
+        "--close-at-end",
     ];
     let path = std::env::var("PATH").expect("folders of programs");
     let child = demo(folder.path(), "probing", &more)
@@ -115,7 +116,13 @@ fn a_button_of_the_mouse_is_a_pedal_beside_the_keyboard() {
         return;
     };
     let folder = tempfile::tempdir().expect("folder");
-    let more = ["--pedal", "mouse-middle", "--pedal-use", "beside"];
+    let more = [
+        "--pedal",
+        "mouse-middle",
+        "--pedal-use",
+        "beside",
+        "--close-at-end",
+    ];
     let child = demo(
         folder.path(),
         "probing",
