@@ -40,11 +40,11 @@ const DARK: wgpu::Color = wgpu::Color {
     a: 1.0,
 };
 
-/// Background of a reflection, linear light: the dim room behind the operator.
-const ROOM: wgpu::Color = wgpu::Color {
-    r: 0.075,
-    g: 0.078,
-    b: 0.082,
+/// Background of a reflection, linear light: palate and cheek in dim light, which no scene has as meshes. Chosen.
+const PALATE: wgpu::Color = wgpu::Color {
+    r: 0.085,
+    g: 0.038,
+    b: 0.033,
     a: 1.0,
 };
 
@@ -380,7 +380,8 @@ impl Renderer {
         }
         self.plan(0, moment, &main.matrix(), None, true);
         self.work = self.lists.iter().fold(Work::default(), List::add);
-        let [dark, room] = [DARK, if self.is_lit { ROOM } else { DARK }].map(|c| self.coded(c));
+        let behind = if self.is_lit { PALATE } else { DARK };
+        let [dark, behind] = [DARK, behind].map(|c| self.coded(c));
         let descriptor = wgpu::CommandEncoderDescriptor::default();
         let mut encoder = self.graphics.device.create_command_encoder(&descriptor);
         if self.looks.shadow > 0 {
@@ -395,7 +396,7 @@ impl Renderer {
                 &mut encoder,
                 Some((&reflection.picture, None)),
                 &reflection.depth,
-                room,
+                behind,
             );
             let [w, h] = seen.used.map(|n| n as f32);
             pass.set_viewport(0.0, 0.0, w, h, 0.0, 1.0);
