@@ -8,7 +8,7 @@ use crate::lamp::Lamp;
 pub enum Mode {
     /// Lit picture.
     Beauty,
-    /// Flat colour for each part, without light: [`Renderer::identity`] has the colours.
+    /// Flat colour for each part, without light: [`super::Renderer::identity`] has the colours.
     Identity,
 }
 
