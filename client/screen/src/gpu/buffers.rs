@@ -5,7 +5,7 @@ use std::ops::Range;
 use bytemuck::{Pod, cast_slice};
 use wgpu::{Buffer, BufferUsages, Device, Queue};
 
-use super::draw::Work;
+use super::drawing::Work;
 use crate::plan::{self, Plan};
 use crate::stage::{Moving, Stage};
 

@@ -6,15 +6,15 @@ use wgpu::{
 
 use super::adapter::Graphics;
 use super::buffers::{Buffers, List, empty};
+use super::drawing::{Drawing, Mode, Work};
 use super::panel::PanelDrawer;
 use super::pass::{Blocks, begin, constants, entry, offset};
 use super::pipelines::{Layouts, Pipelines};
 use super::read_back::{self, Image};
 use super::targets::{REFLECTION, Reflection, Targets, shadow_map, texture, view};
 use super::uniforms::{GlassBlock, PartBlock, PassBlock, STRIDE, columns, window};
-use crate::camera::{Camera, Matrix, PassCamera};
+use crate::camera::{Matrix, PassCamera};
 use crate::error::ScreenError;
-use crate::lamp::Lamp;
 use crate::mirror::{Disc, Window, reflected};
 use crate::moment::Moment;
 use crate::panel::Primitive;
@@ -47,49 +47,6 @@ const PALATE: wgpu::Color = wgpu::Color {
     b: 0.033,
     a: 1.0,
 };
-
-/// Kind of picture.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Mode {
-    /// Lit picture.
-    Beauty,
-    /// Flat colour for each part, without light: [`Renderer::identity`] has the colours.
-    Identity,
-}
-
-/// View of one picture.
-#[derive(Clone, Copy, Debug)]
-pub struct Drawing {
-    /// Camera.
-    pub camera: Camera,
-    /// Lamp.
-    pub lamp: Lamp,
-    /// Fog on the glass of a mirror, 0 to 1.
-    pub fog: f32,
-    /// Scratches of the glass, 0 to 1.
-    pub scratches: f32,
-}
-
-impl Drawing {
-    /// View through a camera with the lamp beside its eye and a clean glass.
-    pub fn through(camera: Camera) -> Self {
-        Self {
-            lamp: Lamp::beside(&camera),
-            camera,
-            fog: 0.0,
-            scratches: 0.0,
-        }
-    }
-}
-
-/// Work of one picture, panel left out.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Work {
-    /// Calls.
-    pub draws: usize,
-    /// Triangles in these calls.
-    pub triangles: usize,
-}
 
 /// Reflection of one glass in one picture.
 struct Seen {

@@ -3,6 +3,7 @@
 mod adapter;
 mod buffers;
 mod draw;
+mod drawing;
 mod panel;
 mod pass;
 mod pipelines;
@@ -12,6 +13,7 @@ mod targets;
 mod uniforms;
 
 pub use adapter::{Backend, Graphics};
-pub use draw::{Drawing, Mode, Renderer, Work};
+pub use draw::Renderer;
+pub use drawing::{Drawing, Mode, Work};
 pub use read_back::Image;
 pub use surface::{Screen, Target};

@@ -8,7 +8,8 @@ use wgpu::{
 };
 
 use super::adapter::Graphics;
-use super::draw::{Drawing, Mode, Renderer};
+use super::draw::Renderer;
+use super::drawing::{Drawing, Mode};
 use super::targets::view;
 use crate::error::ScreenError;
 use crate::moment::Moment;
