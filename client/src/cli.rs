@@ -325,8 +325,8 @@ pub struct ViewArgs {
     /// Play the sound of contact with teeth and soft tissue by `paplay` or `aplay`, whichever is installed
     #[arg(long, requires = "view")]
     pub sound: bool,
-    /// Close the window when the session ends. Otherwise the window stays: after practice it shows score, advice and
-    /// the worst finding in a loop, until Escape or F10
+    /// Close the window when the session ends. Otherwise the window stays until Escape or F10: after practice with score,
+    /// advice and the worst finding in a loop
     #[arg(long, requires = "view")]
     pub close_at_end: bool,
     /// Print frame age and frame time of the window at the end

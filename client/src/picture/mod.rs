@@ -36,7 +36,7 @@ const USUAL: &str = "bimanual";
 pub fn run(args: &PictureArgs) -> anyhow::Result<u8> {
     let steps = Steps;
     let shots = Shots::of(args)?;
-    // Before the replay: without an adapter it would be in vain.
+    // Before the replay, which would be in vain without an adapter.
     let graphics = Graphics::headless(Backend::Any)?;
     tell!("graphics adapter: {}", graphics.name());
     if let Some(file) = &args.recording {

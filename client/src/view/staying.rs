@@ -1,7 +1,7 @@
 //! Window that stays after its session: the end page, and the worst finding in a loop.
 //!
-//! The page shows a grade after practice alone. After an exam it says that the session has ended, and in
-//! self-assessment that the own score comes first.
+//! The page shows a grade after practice alone. After an exam the page says that the session has ended,
+//! and in self-assessment that the own score comes first.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -207,7 +207,7 @@ impl Show for Staying {
     }
 
     fn is_over(&mut self) -> bool {
-        // Before the pages: the last one was sent before this is set.
+        // Read before the pages: the last page is sent before the flag is set.
         let is_over = self.over.load(Ordering::Acquire);
         self.take_pages();
         let is_last = !matches!(

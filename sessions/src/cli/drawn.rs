@@ -79,7 +79,7 @@ fn drawn(path: &Path, all: Vec<Instant>) -> anyhow::Result<Vec<Picture>> {
     all.into_iter().enumerate().map(picture).collect()
 }
 
-/// Folder for the files of one run. It is removed with this value.
+/// Folder for the files of one run, removed with this value.
 struct Folder(PathBuf);
 
 impl Folder {
