@@ -169,13 +169,12 @@ pub fn run(args: &SceneArgs) -> anyhow::Result<u8> {
     Ok(0)
 }
 
-/// Compiles all built-in scenes and the pockets of the hard cases with a cache beside `out`, and packs their trees. Trees
-/// of unchanged shapes are taken from the present family.
+/// Builds all built-in scenes and the pockets of the hard cases into a folder beside `out`, and packs their trees.
 fn build_family(out: &Path, say: &dyn Fn(&str, f64)) -> anyhow::Result<()> {
     let folder = out.with_extension("building");
     let options = BuildOptions {
         cache: Some(folder.clone()),
-        copies: true,
+        anew: true,
         ..BuildOptions::default()
     };
     for scene in BuiltIn::ALL {

@@ -4,9 +4,9 @@
 //! value reaches the sheet: two patients with the same visible values have the same sheet, bit for bit.
 //!
 //! # Margin
-//! The drawn margin touches the tooth at the height of the simulated one. Both have the shape of a pocket of a usual
-//! depth, so that no margin tells a depth. Beside a contact the sheet rises above the simulated margin, up to the
-//! contact, where a healthy papilla ends.
+//! The drawn margin touches the tooth at the height of the simulated one. The simulated margin depends a little on the
+//! depth, because the angles of the proximal sites do. The sheet has the angles of a usual depth. Beside a contact the
+//! sheet rises above the simulated margin, up to the contact, where a healthy papilla ends.
 //!
 //! # Surface
 //! Columns run down both sides of each tooth, from its margin. Between neighbours a saddle joins the columns of both

@@ -12,7 +12,7 @@ pub const LEAST: f64 = 1.2;
 pub const VESTIBULE: [f64; 7] = [7.6, 7.6, 9.2, 9.0, 9.0, 9.6, 8.4];
 /// Depth of the furrows beside a root on the facial side. A first molar also stands out by its breadth. Chosen, as all
 /// numbers below.
-pub const RELIEF: [f64; 7] = [0.4, 0.4, 0.9, 0.4, 0.4, 0.0, 0.25];
+pub const RELIEF: [f64; 7] = [0.4, 0.4, 0.9, 0.4, 0.4, 0.15, 0.25];
 /// Distances below the margin between which the relief fades.
 pub const FADES: [f64; 2] = [3.0, 7.5];
 /// Height of the healthy facial margin over the cemento-enamel junction.
