@@ -60,11 +60,11 @@ fn drawn(path: &Path, all: Vec<Instant>) -> anyhow::Result<Vec<Picture>> {
         .with_context(|| format!("{}: cannot be started", program.shown()))?;
     if !ended.status.success() {
         let told = String::from_utf8_lossy(&ended.stderr);
-        let error = told.lines().filter_map(|line| line.strip_prefix("error: "));
+        let mut error = told.lines().filter_map(|line| line.strip_prefix("error: "));
         bail!(
             "{}",
             error
-                .last()
+                .next_back()
                 .unwrap_or("the program `sulcus-client` has ended with an error")
         );
     }
