@@ -32,7 +32,7 @@ pub(crate) struct Chunk {
 pub(crate) enum Alike {
     /// None.
     Nothing,
-    /// Those of one material.
+    /// Objects of one material.
     Material,
     /// All.
     Objects,
@@ -50,7 +50,7 @@ pub(crate) struct Pass<'a> {
     pub alike: Alike,
 }
 
-/// One call of a pass.
+/// Call of a pass.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Draw {
     /// Part that has the constants.

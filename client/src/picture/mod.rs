@@ -1,6 +1,6 @@
 //! `picture`: instants of an exercise or of a recording, or a scene at rest, as PNG files.
 //!
-//! One run draws all its pictures in one pass through the session.
+//! Pictures of a run are drawn in one pass through the session.
 
 mod album;
 mod follower;

@@ -15,7 +15,7 @@ const MOST_S: f64 = 3600.0;
 /// Pictures of a sequence for each second, without a number.
 const USUAL_FPS: f64 = 25.0;
 
-/// One picture.
+/// Picture to be drawn.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Shot {
     /// Time in the session, seconds.

@@ -32,7 +32,7 @@ pub struct Shown<'a> {
     pub missing: Option<&'a str>,
 }
 
-/// One picture.
+/// Picture of a page.
 pub struct ShownPicture {
     /// PNG file as a URI.
     pub uri: String,

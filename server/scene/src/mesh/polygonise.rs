@@ -50,7 +50,7 @@ impl Grid {
         self.slices(&|i, j, k| f(&self.place(i, j, k)))
     }
 
-    /// One slice of the grid per work item; the order of results does not depend on threads.
+    /// Slices of the grid, each a work item; the order of results does not depend on threads.
     fn slices(&self, value: &(dyn Fn(usize, usize, usize) -> f64 + Sync)) -> Vec<f64> {
         let [n, m, _] = self.n;
         let slice = |k: usize| -> Vec<f64> {
