@@ -62,8 +62,8 @@ pub enum Command {
     /// with `--features view`
     #[command(after_long_help = EXAMPLES)]
     Bands(BandsArgs),
-    /// First lesson with mouse and keyboard, without an instructor: hold the probe, touch a tooth, read a band, walk along
-    /// a margin. The session is recorded. Needs a build with `--features view`
+    /// First lesson with mouse and keyboard, without an instructor: hold the probe, touch a tooth, read a band, walk
+    /// along a margin. The session is recorded. Needs a build with `--features view`
     #[command(after_long_help = EXAMPLES)]
     Lesson(LessonArgs),
 }
@@ -294,8 +294,8 @@ pub struct ViewArgs {
     #[arg(long, value_name = "NAME", requires = "view")]
     pub quality: Option<String>,
     /// Move the tools with mouse and keyboard, or a 3D mouse of spacenavd, instead of the simulated operator. There is
-    /// no force. The space bar takes the tool and holds it still again; F10 or closing the window ends the session. Builds
-    /// with `--features gamepad` or `hid` take a gamepad, or a 3D mouse without spacenavd
+    /// no force. The space bar takes the tool and holds it still again; F10 or closing the window ends the session.
+    /// Builds with `--features gamepad` or `hid` take a gamepad, or a 3D mouse without spacenavd
     #[arg(long, requires = "view")]
     pub mouse: bool,
     /// Pedal of the findings: the key that a USB pedal types, such as b, f13 or pagedown; a button as mouse-middle; or,
@@ -325,8 +325,8 @@ pub struct ViewArgs {
     /// Play the sound of contact with teeth and soft tissue by `paplay` or `aplay`, whichever is installed
     #[arg(long, requires = "view")]
     pub sound: bool,
-    /// Close the window when the session ends. Otherwise the window stays until Escape or F10: after practice with score,
-    /// advice and the worst finding in a loop
+    /// Close the window when the session ends. Otherwise the window stays until Escape or F10: after practice with
+    /// score, advice and the worst finding in a loop
     #[arg(long, requires = "view")]
     pub close_at_end: bool,
     /// Print frame age and frame time of the window at the end
