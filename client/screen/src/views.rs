@@ -228,6 +228,31 @@ impl Mouth {
     }
 }
 
+/// Unit vector along a tooth, up from the root, world axes. `None`: the scene has no such tooth.
+///
+/// The vector runs from the middle of the lowest quarter of the drawn surface to that of the highest quarter.
+pub fn along(scene: &DisplayScene, fdi: u8) -> Option<Vector> {
+    let is_it = |one: &&DisplayObject| one.kind == Kind::Tooth && one.fdi == fdi;
+    let tooth = scene.objects.iter().find(is_it)?;
+    let all = || tooth.mesh.vertices().map(mm);
+    let heights = || all().map(|at| at.z);
+    let (low, high) = (
+        heights().fold(f64::INFINITY, f64::min),
+        heights().fold(f64::NEG_INFINITY, f64::max),
+    );
+    let middle = |from: f64, to: f64| {
+        let none = Vector::repeat(f64::INFINITY);
+        let slab = all().filter(|at| (from..=to).contains(&at.z));
+        let (low, high) = slab.fold((none, -none), |(low, high), at| {
+            (low.inf(&at), high.sup(&at))
+        });
+        (low + high) * 0.5
+    };
+    let quarter = 0.25 * (high - low);
+    let along = middle(high - quarter, high) - middle(low, low + quarter);
+    along.try_normalize(1e-9)
+}
+
 /// Middle of a tooth's crown, 4 mm below its highest point.
 fn crown(tooth: &DisplayObject) -> Vector {
     let top = tooth

@@ -7,6 +7,7 @@ use super::Task;
 use crate::moment::Moment;
 use crate::readings::Site;
 use crate::stage::MM;
+use crate::views::along;
 
 /// Distance of the probe's middle line from the margin, mm. The drawn gap is closed: the front of the probe lies at the
 /// margin.
@@ -24,12 +25,12 @@ pub fn moment(scene: &DisplayScene, task: Task, number: usize) -> Option<Moment>
     let slot = scene.tools.iter().position(|tool| !tool.bands.is_empty())?;
     let tool = &scene.tools[slot];
     let site = |site: Site| Vector3::from(gingiva.sites[site.number()]) * MM;
-    let mut out = site(Site::Buccal) - site(Site::Lingual);
-    out.z = 0.0;
-    let out = out.try_normalize(1e-6)?;
+    let axis = along(scene, gingiva.fdi).map_or(Vector3::z(), |axis| axis.cast::<f32>());
+    let out = site(Site::Buccal) - site(Site::Lingual);
+    let out = (out - axis * out.dot(&axis)).try_normalize(1e-6)?;
     // Up along the probe, leaning away from the crown.
     let lean = LEAN_DEG.to_radians();
-    let up = Vector3::z() * lean.cos() + out * lean.sin();
+    let up = axis * lean.cos() + out * lean.sin();
     let upright = UnitQuaternion::rotation_between(&Vector3::from(tool.tip_axis), &-up)?;
     // The handle stands on the side of the cheek.
     let across = |v: Vector3<f32>| v - up * v.dot(&up);

@@ -13,8 +13,9 @@ use super::noise::noise;
 
 const ATTACHED: f64 = 0.35;
 const MARGIN: f64 = 0.22;
-const MUCOSA: f64 = 0.12;
-const LIP: f64 = 0.20;
+const MUCOSA: f64 = 0.19;
+// The cheek is nearly flat. A sharp highlight on it would have the outlines of its triangles.
+const LIP: f64 = 0.40;
 const PAD: f64 = 0.28;
 /// Change of the roughness at the grades 0 to 3 of Loe and Silness: glazed from grade 2.
 const GLAZED: [f64; 4] = [0.0, 0.0, -0.10, -0.12];

@@ -169,12 +169,13 @@ pub fn run(args: &SceneArgs) -> anyhow::Result<u8> {
     Ok(0)
 }
 
-/// Builds all built-in scenes and the pockets of the hard cases into a folder beside `out`, and packs their trees.
+/// Compiles all built-in scenes and the pockets of the hard cases with a cache beside `out`, and packs their trees. Trees
+/// of unchanged shapes are taken from the present family.
 fn build_family(out: &Path, say: &dyn Fn(&str, f64)) -> anyhow::Result<()> {
     let folder = out.with_extension("building");
     let options = BuildOptions {
         cache: Some(folder.clone()),
-        anew: true,
+        copies: true,
         ..BuildOptions::default()
     };
     for scene in BuiltIn::ALL {

@@ -25,9 +25,10 @@ struct Beside {
 
 /// Returns the key of the scene of these options and this text of a scene file.
 pub(crate) fn key(text: &str, path: &Path, options: &BuildOptions) -> blake3::Hash {
-    // The folder of the cache is no input of the scene.
+    // The cache is no input of the scene.
     let BuildOptions {
         cache: _,
+        copies: _,
         anew,
         deepest,
         seed,

@@ -98,10 +98,13 @@ impl Compiler<'_> {
         let wall = MouthEntry::default().wall_mm;
         let stations: Vec<Station> = arch
             .iter()
-            .map(|tooth| Station {
-                at: [tooth.frame.origin.x * 1e3, tooth.frame.origin.y * 1e3],
-                buccal: [tooth.frame.buccal.x, tooth.frame.buccal.y],
-                faces: tooth.faces(wall),
+            .map(|tooth| {
+                let (at, buccal) = (tooth.at_jaw(), tooth.frame.buccal.xy().normalize());
+                Station {
+                    at: [at.x, at.y],
+                    buccal: [buccal.x, buccal.y],
+                    faces: tooth.faces(wall),
+                }
             })
             .collect();
         self.mucosa("jaw", 3, jaw(&stations, JAW_TOP + JAW_OVERLAP), |mesh| mesh)
@@ -110,8 +113,7 @@ impl Compiler<'_> {
     /// Makes the healed ridge of a missing tooth.
     fn healed(&mut self, entry: &MouthEntry, tooth: &Standing) -> Result<Object, BuildError> {
         let ends = tooth.ends();
-        let base = JAW_TOP - tooth.frame.origin.z * 1e3;
-        let mesh = healed(ends, tooth.faces(entry.wall_mm), base);
+        let mesh = healed(ends, tooth.faces(entry.wall_mm), tooth.base());
         let frame = tooth.frame;
         self.mucosa(&format!("healed ridge {}", tooth.fdi), 2, mesh, |mesh| {
             placed_mesh(&mesh, &frame)

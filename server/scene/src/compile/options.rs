@@ -11,6 +11,8 @@ pub struct BuildOptions {
     pub cache: Option<PathBuf>,
     /// Ignores the trees of the program ([`crate::compile::family`]) and cached scenes.
     pub anew: bool,
+    /// Also puts the trees of the program that the scene has into the cache.
+    pub copies: bool,
     /// Deepest level of all trees, for quick attempts and tests. Contact levels follow.
     pub deepest: Option<u8>,
     /// Seed of a generated patient, instead of the scene file's.

@@ -353,6 +353,10 @@ impl Compiler<'_> {
         let (done, parts) = (self.done as f64, self.parts as f64);
         self.done += 1;
         let brought = (!self.options.anew).then(|| family::find(&key)).flatten();
+        let copied = brought.as_ref().filter(|_| self.options.copies);
+        if let (Some(tree), Some(dir)) = (copied, self.options.cache.as_deref()) {
+            self.keep(dir, &key, tree);
+        }
         let kept = brought.or_else(|| {
             let dir = self.options.cache.as_deref()?;
             // A tree that was cached before trees were checked is built again, and refused.
@@ -376,20 +380,25 @@ impl Compiler<'_> {
                     part: part.to_owned(),
                     source,
                 })?;
-                if let Some(dir) = self.options.cache.as_deref()
-                    && let Err(error) = cache::store(dir, &key, &tree)
-                {
-                    self.cacheable = false;
-                    self.warnings.push(format!(
-                            "{}: cannot cache the built tree in this folder ({error}), so it is built again next time",
-                            dir.shown()
-                        ));
+                if let Some(dir) = self.options.cache.as_deref() {
+                    self.keep(dir, &key, &tree);
                 }
                 tree
             }
         };
         let level = level.min(tree.depth());
         Ok((tree, level))
+    }
+
+    /// Puts a tree into the cache. A failure is a warning.
+    fn keep(&mut self, dir: &Path, key: &blake3::Hash, tree: &SphereTree) {
+        if let Err(error) = cache::store(dir, key, tree) {
+            self.cacheable = false;
+            self.warnings.push(format!(
+                "{}: cannot cache the built tree in this folder ({error}), so it is built again next time",
+                dir.shown()
+            ));
+        }
     }
 }
 

@@ -245,7 +245,7 @@ fn a_sulcus_shallower_than_a_reading_sinks_is_refused_with_tooth_and_site() {
 
 /// The two right-handed halves of the mouth are each other's mirror image.
 #[test]
-fn the_right_side_is_the_left_one_in_a_mirror() {
+fn the_right_side_is_the_left_one_in_a_mirror_but_for_slight_disorder_in_front() {
     let folder = tempfile::tempdir().expect("temporary directory");
     std::fs::write(
         folder.path().join("p.toml"),
@@ -267,9 +267,16 @@ fn the_right_side_is_the_left_one_in_a_mirror() {
     };
     for k in 1..=7 {
         let (left, right) = (of(&format!("tooth 3{k}")), of(&format!("tooth 4{k}")));
-        for (l, r) in left.tree.nodes().iter().zip(right.tree.nodes()) {
-            let mirrored = Vec3::new(r.centre.x, -r.centre.y, r.centre.z);
-            assert!((l.centre - mirrored).norm() < 1e-12 && l.contact_radius == r.contact_radius);
+        let mirrored = |at: &Vec3| Vec3::new(at.x, -at.y, at.z);
+        let nodes: Vec<_> = left.tree.nodes().iter().zip(right.tree.nodes()).collect();
+        // The teeth in front are turned and moved a little, but have the same shape.
+        let most = if k <= 3 { 1e-3 } else { 1e-12 };
+        let (first, other) = nodes[0];
+        for (l, r) in &nodes {
+            assert!((l.centre - mirrored(&r.centre)).norm() < most);
+            assert_eq!(l.contact_radius, r.contact_radius);
+            let size = (l.centre - first.centre).norm() - (r.centre - other.centre).norm();
+            assert!(size.abs() < 1e-12);
         }
     }
 }

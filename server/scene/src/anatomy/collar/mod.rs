@@ -18,7 +18,7 @@ mod profile;
 mod skin;
 
 pub use packing::pack;
-pub use profile::SulcusProfile;
+pub use profile::{SulcusProfile, USUAL_MM};
 pub use skin::skin;
 
 use sulcus_core::{Sphere, Vec3};
@@ -45,9 +45,11 @@ pub struct CollarSizes {
 /// A neighbour's side of a collar.
 #[derive(Clone, Debug)]
 pub struct Neighbour {
-    /// Contact point, across the axis.
-    pub contact: [f64; 2],
-    /// Unit normal of the plane between both teeth, towards the neighbour.
+    /// Contact point.
+    pub contact: Vec3,
+    /// Way across the axis for each mm of height, of the line through the contact point up the plane between both teeth.
+    pub slope: [f64; 2],
+    /// Unit normal of the plane's sections across the axis, towards the neighbour.
     pub normal: [f64; 2],
     /// Distance of the outer face from the contact point along the plane, buccally and lingually, by height.
     pub faces: [Face; 2],
@@ -59,6 +61,15 @@ pub struct Neighbour {
 }
 
 impl Neighbour {
+    /// Returns the place of the line through the contact point at a height, across the axis, mm.
+    pub fn contact_at(&self, z: f64) -> [f64; 2] {
+        let up = z - self.contact.z;
+        [
+            self.contact.x + self.slope[0] * up,
+            self.contact.y + self.slope[1] * up,
+        ]
+    }
+
     /// Returns the corner of a side's outer face and the plane at a height, across the axis, mm.
     pub fn corner(&self, lingual: bool, z: f64) -> [f64; 2] {
         let [nx, ny] = self.normal;
@@ -66,7 +77,8 @@ impl Neighbour {
         let side = if (nx < 0.0) == lingual { 1.0 } else { -1.0 };
         let (ax, ay) = (-ny * side, nx * side);
         let face = self.faces[usize::from(lingual)].at(z);
-        [self.contact[0] + ax * face, self.contact[1] + ay * face]
+        let [x, y] = self.contact_at(z);
+        [x + ax * face, y + ay * face]
     }
 }
 
@@ -162,19 +174,24 @@ impl Collar {
         self.sections.radius(around, z) + self.sizes.width
     }
 
-    /// Returns the height at which the floor is read where it is deepest at an end (0 mesial, 1 distal), buccally and
+    /// Returns the places at which the floor is read where it is deepest at an end (0 mesial, 1 distal), buccally and
     /// lingually.
-    pub fn floors_at(&self, end: usize) -> [f64; 2] {
+    pub fn floors_at(&self, end: usize) -> [Vec3; 2] {
         let sites = self.sulcus.sites();
         let sites = [[sites[0], sites[5]], [sites[2], sites[3]]][end];
-        sites.map(|around| self.floor(around) - self.sizes.sink)
+        sites.map(|around| {
+            let z = self.floor(around) - self.sizes.sink;
+            let r = self.inner(around, z);
+            Vec3::new(r * libm::cos(around), r * libm::sin(around), z)
+        })
     }
 
     /// Returns the height at which the neighbour's floor is read beyond the plane at an angle.
     ///
-    /// `None` if a sphere of the given radius, at distance `r` from the axis, does not reach over the plane.
-    fn beyond(&self, around: f64, r: f64, radius: f64) -> Option<f64> {
-        let most = self.plane(around, radius)?;
+    /// `None` if a sphere of the given radius, at distance `r` from the axis and at height `z`, does not reach over the
+    /// plane.
+    fn beyond(&self, around: f64, (r, z): (f64, f64), radius: f64) -> Option<f64> {
+        let most = self.plane(around, z, radius)?;
         let neighbour = self.neighbours[usize::from(libm::cos(around) < 0.0)].as_ref()?;
         (r > most).then_some(neighbour.floors[usize::from(libm::sin(around) < 0.0)])
     }
@@ -186,7 +203,7 @@ impl Collar {
         let floor = self.floor(around);
         let mut z = margin;
         while z > floor + 0.2 {
-            let room = self.plane(around, 0.0).unwrap_or(FAR) - self.inner(around, z);
+            let room = self.plane(around, z, 0.0).unwrap_or(FAR) - self.inner(around, z);
             if room >= LEAST_TISSUE {
                 break;
             }
@@ -195,16 +212,17 @@ impl Collar {
         z
     }
 
-    /// Returns the largest distance from the axis of a sphere's centre at an angle: the sphere does not reach over
-    /// the plane to a neighbour.
+    /// Returns the largest distance from the axis of a sphere's centre at an angle and a height: the sphere does not
+    /// reach over the plane to a neighbour.
     ///
     /// `None` if there is no neighbour in that direction.
-    fn plane(&self, around: f64, radius: f64) -> Option<f64> {
+    fn plane(&self, around: f64, z: f64, radius: f64) -> Option<f64> {
         let (sine, cosine) = (libm::sin(around), libm::cos(around));
         let distances = self.neighbours.iter().flatten().filter_map(|neighbour| {
             let [nx, ny] = neighbour.normal;
             let towards = cosine * nx + sine * ny;
-            let away = neighbour.contact[0] * nx + neighbour.contact[1] * ny;
+            let [x, y] = neighbour.contact_at(z);
+            let away = x * nx + y * ny;
             (towards > 1e-3).then(|| (away - radius) / towards)
         });
         distances.min_by(f64::total_cmp)
@@ -237,7 +255,7 @@ impl Collar {
         let middle = std::f64::consts::FRAC_PI_2 * side;
         let most = outer_face(&self.sections, self.sizes.wall, middle, z);
         let end = neighbour.corner(side < 0.0, z);
-        let plane = self.plane(around, 0.0).unwrap_or(FAR);
+        let plane = self.plane(around, z, 0.0).unwrap_or(FAR);
         let outline = |x: f64| {
             let share = ramp(x / end[0], 0.15, 1.0);
             most + (end[1] * side - most) * share

@@ -202,11 +202,11 @@ fn deep(collar: &Collar, around: f64, r: f64) -> (f64, f64) {
 ///
 /// On this side of the plane an additional sphere has the right height.
 fn put_below(collar: &Collar, around: f64, r: f64, z: f64, radius: f64, packed: &mut Vec<Packed>) {
-    let Some(floor) = collar.beyond(around, r, radius) else {
+    let Some(floor) = collar.beyond(around, (r, z), radius) else {
         return put(collar, around, r, z, radius, true, packed);
     };
     if floor - radius < z {
-        let most = collar.plane(around, radius).unwrap_or(r);
+        let most = collar.plane(around, z, radius).unwrap_or(r);
         put(collar, around, most, z, radius, true, packed);
     }
     put(

@@ -25,6 +25,9 @@ const MIDDLE: f64 = 0.3;
 /// down, radians.
 const SCALLOP: [f64; 2] = [0.35, FRAC_PI_2];
 
+/// Depth at which the shape of a margin is taken, mm. Chosen between healthy and deep pockets.
+pub const USUAL_MM: f64 = 4.0;
+
 /// The prescribed depths and margins of a tooth, in the order mesiobuccal, buccal, distobuccal, distolingual, lingual,
 /// mesiolingual.
 #[derive(Clone, Debug, PartialEq)]
@@ -37,6 +40,8 @@ pub struct SulcusProfile {
     ///
     /// On a tapered root, the same distance from the midline is another angle than at the neck.
     ends: [f64; 6],
+    /// The same at a usual depth. The margin follows these distances, so that its shape does not tell the depths.
+    usual: [f64; 6],
     /// Angle between the midline and the border of a proximal zone, radians.
     border: f64,
 }
@@ -55,17 +60,18 @@ struct Between {
 impl SulcusProfile {
     /// Returns the profile of a tooth with these sections.
     pub fn new(sections: &Sections, depths: [f64; 6], margins: [f64; 6]) -> Self {
-        let ends = std::array::from_fn(|site| {
+        let at = |site: usize, depth: f64| {
             let end = if matches!(site, 2 | 3) { PI } else { 0.0 };
-            sections.radius(end, margins[site] - depths[site])
-        });
+            sections.radius(end, margins[site] - depth)
+        };
         let neck = 0.5 * (sections.radius(0.0, 0.0) + sections.radius(PI, 0.0));
         let side = 0.5 * (sections.radius(FRAC_PI_2, 0.0) + sections.radius(-FRAC_PI_2, 0.0));
         let border = libm::atan2(BORDER * side, neck);
         Self {
             depths,
             margins,
-            ends,
+            ends: std::array::from_fn(|site| at(site, depths[site])),
+            usual: std::array::from_fn(|site| at(site, USUAL_MM)),
             border: border.clamp(BORDERS[0], BORDERS[1]),
         }
     }
@@ -104,7 +110,7 @@ impl SulcusProfile {
         let at = self.between(around);
         let own = self.margins[at.own];
         if at.across {
-            let reach = libm::atan2(PLATEAU[0], self.end_of(at.own));
+            let reach = libm::atan2(PLATEAU[0], self.usual[at.own]);
             let middle = 0.5 * (own + self.margins[at.other]);
             return middle + (own - middle) * ramp(at.off, 0.0, reach);
         }
@@ -116,8 +122,11 @@ impl SulcusProfile {
         };
         let (papilla, middle) = (self.margins[corner], self.margins[middle]);
         // The margin is level where the floor is deepest: on a slope a tip would not reach the floor.
-        let from = SCALLOP[0].max(libm::atan2(PLATEAU[1], self.end_of(corner)));
-        papilla + (middle - papilla) * ramp(off, from, SCALLOP[1])
+        let from = SCALLOP[0].max(libm::atan2(PLATEAU[1], self.usual[corner]));
+        // An arc: the margin falls fast beside the papilla and is nearly level over the middle of the root. A recession
+        // is a U for the same reason.
+        let share = ((off - from) / (SCALLOP[1] - from)).clamp(0.0, 1.0);
+        papilla + (middle - papilla) * ramp(share * (2.0 - share), 0.0, 1.0)
     }
 
     fn end_of(&self, site: usize) -> f64 {

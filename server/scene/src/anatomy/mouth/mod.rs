@@ -14,9 +14,11 @@ mod standing;
 
 use std::path::Path;
 
+use sulcus_core::Vec3;
 use sulcus_core::tissue::gingiva::{GingivaParams, Site};
 
-use crate::anatomy::collar::{Collar, CollarSizes, Entrance, SulcusProfile};
+use crate::anatomy::arch::{from_world, to_world};
+use crate::anatomy::collar::{Collar, CollarSizes, Entrance, SulcusProfile, USUAL_MM};
 use crate::anatomy::patient::{Patient, ToothChart, generate};
 use crate::anatomy::tooth::Furcation;
 use crate::file::{Condition, MouthEntry};
@@ -82,9 +84,10 @@ pub(crate) fn collar(
 ) -> Result<Collar, NoRoom> {
     let tooth = &all[k];
     let depths = chart.depth_mm.round();
-    // The junction is nearly level there, at the height of the origin.
+    // The junction is nearly level there, at the height of the origin. Its height is taken beside a pocket of the usual
+    // depth, so that a margin does not tell the depths.
     let nearly = chart.recession_mm.round().map(|recession| -recession);
-    let angles = SulcusProfile::new(&tooth.sections, depths, nearly).sites();
+    let angles = SulcusProfile::new(&tooth.sections, [USUAL_MM; 6], nearly).sites();
     // Depths are prescribed as read, whatever the firmness of the tissue. The floor at rest lies higher.
     let sink = params.sink() / params.firmness() * 1e3;
     let mut margins = [0.0; 6];
@@ -120,7 +123,7 @@ pub(crate) fn collar(
         width: entry.width_mm,
         crest: entry.crest_mm,
         wall: entry.wall_mm,
-        base: JAW_TOP - tooth.frame.origin.z * 1e3,
+        base: tooth.base(),
         sink,
     };
     Ok(Collar {
@@ -158,23 +161,23 @@ fn entrances(tooth: &Standing, chart: &ToothChart) -> Result<Vec<Entrance>, NoRo
     tooth.shape.furcations().into_iter().map(entrance).collect()
 }
 
-/// Sets the depth of the neighbours' floors in each collar, where two collars meet. All axes are vertical.
+/// Sets the depth of the neighbours' floors in each collar, where two collars meet.
 pub(crate) fn meet(collars: &mut [Collar], all: &[Standing]) {
-    let floors: Vec<(u8, [[f64; 2]; 2])> = collars
+    let floors: Vec<(u8, [[Vec3; 2]; 2])> = collars
         .iter()
         .zip(all)
         .map(|(collar, tooth)| {
-            let up = tooth.frame.origin.z * 1e3;
-            let in_world = |end| collar.floors_at(end).map(|z| z + up);
+            let frame = tooth.frame_mm();
+            let in_world = |end| collar.floors_at(end).map(|p| to_world(&frame, &p));
             (tooth.fdi, [0, 1].map(in_world))
         })
         .collect();
     for (collar, tooth) in collars.iter_mut().zip(all) {
+        let frame = tooth.frame_mm();
         for neighbour in collar.neighbours.iter_mut().flatten() {
             let (fdi, end) = neighbour.end;
             if let Some((_, theirs)) = floors.iter().find(|(other, _)| *other == fdi) {
-                let up = tooth.frame.origin.z * 1e3;
-                neighbour.floors = theirs[end].map(|z| z - up);
+                neighbour.floors = theirs[end].map(|p| from_world(&frame, &p).z);
             }
         }
     }

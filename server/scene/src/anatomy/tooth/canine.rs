@@ -42,6 +42,7 @@ pub(super) static CANINE: Form = Form {
         ],
         flat: [2.0, 2.1],
         round: [2.3, 2.0, 1.9],
+        taper: 0.0,
         apex: 1.6,
         cej: [2.5, 1.6, 0.2],
     },

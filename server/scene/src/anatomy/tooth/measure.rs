@@ -1,7 +1,7 @@
 //! Measures of a tooth, from its implicit function: contact points and furcations.
 
 use sulcus_core::Vec3;
-use sulcus_core::math::{fmax, fmin};
+use sulcus_core::math::{Mat3, fmax, fmin};
 
 use super::Tooth;
 
@@ -15,9 +15,15 @@ pub struct Furcation {
 }
 
 impl Tooth {
-    /// Returns the mesial and the distal contact point, mm: the farthest points of the crown.
+    /// Returns the mesial and the distal contact point of an upright tooth, mm: the farthest points of the crown.
     pub fn contacts(&self) -> [Vec3; 2] {
-        [contact(self, 1.0), contact(self, -1.0)]
+        self.contacts_leaned(&Mat3::identity())
+    }
+
+    /// Returns the mesial and the distal contact point of a tooth that leans, mm, in the tooth's frame. `leaned` turns
+    /// the tooth's frame to its inclination in the mouth, where the contacts are the farthest points of the crown.
+    pub fn contacts_leaned(&self, leaned: &Mat3) -> [Vec3; 2] {
+        [1.0, -1.0].map(|way| contact(self, leaned, way))
     }
 
     /// Returns the entrances between the roots; none if there is one root.
@@ -32,11 +38,11 @@ impl Tooth {
     }
 }
 
-/// Returns the distance of the surface from the axis in the direction of `way` on a line along x, mm; `None` if the
-/// line misses the tooth.
-fn reach(tooth: &Tooth, way: f64, y: f64, z: f64) -> Option<f64> {
-    let outside = 0.6 * tooth.mesiodistal_mm() + 1.0;
-    let at = |x: f64| tooth.distance(&Vec3::new(way * x, y, z));
+/// Returns the distance of the surface from the axis plane in the direction of `way` on a line along x of the leaned
+/// tooth, mm; `None` if the line misses the tooth.
+fn reach(tooth: &Tooth, leaned: &Mat3, way: f64, y: f64, z: f64) -> Option<f64> {
+    let outside = 0.6 * tooth.mesiodistal_mm() + 3.0;
+    let at = |x: f64| tooth.distance(&(leaned.transpose() * Vec3::new(way * x, y, z)));
     let mut out = outside;
     // The first sample inside is found from outside, then bisection follows.
     let steps = 60;
@@ -61,10 +67,12 @@ fn reach(tooth: &Tooth, way: f64, y: f64, z: f64) -> Option<f64> {
     Some(0.5 * (inside + out))
 }
 
-/// Returns the farthest point of the crown towards mesial (`way` 1) or distal (-1), mm.
-fn contact(tooth: &Tooth, way: f64) -> Vec3 {
+/// Returns the farthest point of the crown of the leaned tooth towards mesial (`way` 1) or distal (-1), mm, in the
+/// tooth's frame.
+fn contact(tooth: &Tooth, leaned: &Mat3, way: f64) -> Vec3 {
     let crown = tooth.crown_height_mm();
-    let mut centre = [0.0, 0.55 * crown];
+    let middle = leaned * Vec3::new(0.0, 0.0, 0.55 * crown);
+    let mut centre = [middle.y, middle.z];
     let mut half = [0.3 * tooth.buccolingual_mm(), 0.45 * crown];
     let mut best = (f64::NEG_INFINITY, centre);
     // A grid over the crown, then finer ones around the best place.
@@ -73,7 +81,7 @@ fn contact(tooth: &Tooth, way: f64) -> Vec3 {
             for k in -6..=6_i32 {
                 let y = centre[0] + half[0] * f64::from(j) / 6.0;
                 let z = centre[1] + half[1] * f64::from(k) / 6.0;
-                if let Some(x) = reach(tooth, way, y, z)
+                if let Some(x) = reach(tooth, leaned, way, y, z)
                     && x > best.0
                 {
                     best = (x, [y, z]);
@@ -83,7 +91,7 @@ fn contact(tooth: &Tooth, way: f64) -> Vec3 {
         centre = best.1;
         half = half.map(|h| 0.4 * h);
     }
-    Vec3::new(way * best.0, best.1[0], best.1[1])
+    leaned.transpose() * Vec3::new(way * best.0, best.1[0], best.1[1])
 }
 
 /// Depth of an entered furcation, as a share of the way from the trunk's surface to the axis.

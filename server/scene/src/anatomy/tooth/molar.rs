@@ -38,11 +38,12 @@ pub(super) static FIRST: Form = Form {
             -3.0, -3.2, -3.5, -3.95, -4.24, -4.38, -4.62, -4.98, -5.15, -5.05, -4.5, -3.0,
         ],
         widest: [
-            0.0, 0.0, 0.0, 0.0, 0.0, 0.05, 0.1, 0.15, 0.15, 0.15, 0.15, 0.1,
+            0.0, 0.0, 0.0, 0.0, 0.0, 0.02, 0.05, 0.05, 0.05, 0.05, 0.05, 0.05,
         ],
         crest: [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.1, 0.2, 0.3, 0.3, 0.3, 0.2],
         flat: [2.6, 2.5],
-        round: [2.4, 1.72, 1.68],
+        round: [2.4, 1.72, 1.85],
+        taper: 0.13,
         apex: 1.5,
         cej: [1.0, 0.6, 0.1],
     },
@@ -80,7 +81,7 @@ pub(super) static FIRST: Form = Form {
         // Developmental grooves, supplementary ones beside the triangular ridges, and pits.
         height
             - deepest(&[
-                -groove(FIRST_FISSURES.main[0], 0.2, 0.42, x, y),
+                groove(FIRST_FISSURES.main[0], 0.2, 0.42, x, y),
                 groove(FIRST_FISSURES.main[1], 0.22, 0.42, x, y),
                 groove(FIRST_FISSURES.main[2], 0.18, 0.42, x, y),
                 groove(FIRST_FISSURES.main[3], 0.22, 0.42, x, y),
@@ -221,13 +222,14 @@ pub(super) static SECOND: Form = Form {
             -3.0, -3.2, -3.6, -4.05, -4.27, -4.38, -4.52, -4.75, -4.88, -4.78, -4.25, -2.9,
         ],
         widest: [
-            0.0, 0.0, 0.0, 0.0, 0.0, 0.05, 0.1, 0.15, 0.15, 0.15, 0.15, 0.1,
+            0.0, 0.0, 0.0, 0.0, 0.0, 0.02, 0.05, 0.05, 0.05, 0.05, 0.05, 0.05,
         ],
         crest: [
             0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.05, 0.1, 0.15, 0.15, 0.15, 0.1,
         ],
         flat: [2.6, 2.5],
-        round: [2.4, 1.72, 1.68],
+        round: [2.4, 1.72, 1.85],
+        taper: 0.13,
         apex: 1.5,
         cej: [1.0, 0.6, 0.1],
     },
@@ -268,7 +270,7 @@ pub(super) static SECOND: Form = Form {
         // Developmental grooves, supplementary ones beside the triangular ridges, and pits.
         height
             - deepest(&[
-                -groove(SECOND_FISSURES.main[0], 0.2, 0.42, x, y),
+                groove(SECOND_FISSURES.main[0], 0.2, 0.42, x, y),
                 groove(SECOND_FISSURES.main[1], 0.2, 0.42, x, y),
                 groove(SECOND_FISSURES.main[2], 0.2, 0.42, x, y),
                 branch(SECOND_FISSURES.branches[0], x, y),

@@ -44,6 +44,7 @@ pub(super) static FIRST: Form = Form {
         ],
         flat: [2.0, 2.1],
         round: [2.2, 2.0, 1.85],
+        taper: 0.0,
         apex: 1.5,
         cej: [1.0, 0.6, 0.1],
     },
@@ -166,6 +167,7 @@ pub(super) static SECOND: Form = Form {
         ],
         flat: [2.0, 2.2],
         round: [2.2, 1.9, 1.9],
+        taper: 0.0,
         apex: 1.6,
         cej: [1.0, 0.6, 0.1],
     },
@@ -206,7 +208,7 @@ pub(super) static SECOND: Form = Form {
         // Developmental grooves, supplementary ones beside the triangular ridges, and pits.
         height
             - deepest(&[
-                -groove(SECOND_FISSURES.main[0], 0.18, 0.38, x, y),
+                groove(SECOND_FISSURES.main[0], 0.18, 0.38, x, y),
                 groove(SECOND_FISSURES.main[1], 0.22, 0.38, x, y),
                 branch(SECOND_FISSURES.branches[0], x, y),
                 branch(SECOND_FISSURES.branches[1], x, y),

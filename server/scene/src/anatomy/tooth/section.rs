@@ -30,6 +30,9 @@ pub(super) struct Walls {
     /// Exponents of the buccolingual coordinate: root, crown buccally, crown lingually. With 2, proximal faces are as
     /// round as an ellipse.
     pub round: [f64; 3],
+    /// Taper of the crown: share by which its sections are narrower at the lingual outline. A first molar is 11 mm broad
+    /// buccally and 9.5 mm lingually, and its lingual embrasures are the wider ones.
+    pub taper: f64,
     /// Height of the round end of the root, mm.
     pub apex: f64,
     /// Rise of the CEJ on the mesial, distal and lingual side, mm.
@@ -80,9 +83,12 @@ impl Walls {
         } else {
             cy - outline(&self.lingual)
         };
-        let (u, v) = (dx / hx, dy / hy);
-        let above = p.z - self.cej(p.x, p.y);
         let crown = ramp(p.z, -0.5, 3.0);
+        let v = dy / hy;
+        let behind = fclamp(-v, 0.0, 1.0);
+        let hx = hx * (1.0 - self.taper * crown * behind * behind);
+        let u = dx / hx;
+        let above = p.z - self.cej(p.x, p.y);
         let m = self.flat[0] + (self.flat[1] - self.flat[0]) * crown;
         let side = if dy > 0.0 {
             self.round[1]

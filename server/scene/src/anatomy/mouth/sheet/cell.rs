@@ -9,14 +9,11 @@ use sulcus_core::tissue::gingiva::Site;
 use super::super::{Standing, UNDER_CONTACT};
 use super::sizes;
 use crate::anatomy::arch::to_world;
-use crate::anatomy::collar::SulcusProfile;
+use crate::anatomy::collar::{SulcusProfile, USUAL_MM};
 use crate::mesh::implicit::ramp;
 
-/// Depth at which the angles of the sites are taken, mm. On a tapered root they depend on the depth, and the junction's
-/// height depends on them. Chosen between healthy and deep pockets.
-const USUAL_MM: f64 = 4.0;
 /// Distance beside a broad papilla's peak in which its rise fades out, mm.
-const FLANK: f64 = 1.0;
+const FLANK: f64 = 0.8;
 /// Distance from a charted site at which the margin is the simulated one, mm.
 const CLEAR: f64 = 0.05;
 /// Least distance of a peak beyond a charted site, mm. A nearer peak is moved between site and contact.
@@ -92,18 +89,40 @@ impl<'a> Cell<'a> {
 
     /// Point of the world, mm, at an angle, a distance from the axis and a height in the tooth's frame.
     pub fn world(&self, around: f64, r: f64, z: f64) -> Vec3 {
-        let mut frame = self.tooth.frame;
-        frame.origin *= 1e3;
         to_world(
-            &frame,
+            &self.tooth.frame_mm(),
             &Vec3::new(r * libm::cos(around), r * libm::sin(around), z),
         )
     }
 
-    /// Height in the world, mm, of a height over the tooth's origin on its facial side.
-    pub fn level(&self, z: f64) -> f64 {
-        let r = self.tooth.sections.radius(FRAC_PI_2, z);
-        self.world(FRAC_PI_2, r, z).z
+    /// Height in the world, mm, of a height over the tooth's origin on its facial (`way` 1) or lingual (-1) side.
+    pub fn level(&self, way: f64, z: f64) -> f64 {
+        self.level_at(way * FRAC_PI_2, z)
+    }
+
+    /// Height in the world, mm, of the tooth's surface at an angle and a height over the tooth's origin.
+    pub fn level_at(&self, around: f64, z: f64) -> f64 {
+        self.world(around, self.tooth.sections.radius(around, z), z)
+            .z
+    }
+
+    /// Height in the world, mm, under or over the contact at an end, of a height over the tooth's origin.
+    pub fn level_of_end(&self, end: usize, z: f64) -> f64 {
+        let contact = self.tooth.contacts[end];
+        to_world(&self.tooth.frame_mm(), &Vec3::new(contact.x, contact.y, z)).z
+    }
+
+    /// Height over the tooth's origin, mm, at which the tooth's surface at an angle has a height in the world.
+    /// `radius` is the distance of that surface from the axis by height.
+    pub fn height_at(&self, around: f64, level: f64, radius: impl Fn(f64) -> f64) -> f64 {
+        let frame = &self.tooth.frame;
+        let out = libm::cos(around) * frame.mesial.z + libm::sin(around) * frame.buccal.z;
+        let mut z = level - frame.origin.z * 1e3;
+        // The surface is nearly parallel to the axis: each step leaves a tenth of the error or less.
+        for _ in 0..5 {
+            z = (level - frame.origin.z * 1e3 - radius(z) * out) / frame.axis.z;
+        }
+        z
     }
 
     /// Distance of the tooth's true surface from its axis, mm. Sections bridge grooves; the surface does not.

@@ -88,26 +88,25 @@ struct Outline {
 
 fn outline(line: &Line, cell: &Cell<'_>, side: usize, z: f64) -> Outline {
     let way = [1.0, -1.0][side];
-    let frame = &cell.tooth.frame;
-    let height = (z - frame.origin.z * 1e3) / frame.axis.z;
-    let at = fclamp(height, STRAIGHT, NECK);
     // Half of the waist below the crown is filled.
-    let radius = |turn: f64| {
+    let radius = |turn: f64, height: f64| {
         let of = |z: f64| cell.tooth.sections.radius(turn, z);
-        let (neck, there) = (of(NECK), of(at));
+        let (neck, there) = (of(NECK), of(fclamp(height, STRAIGHT, NECK)));
         there + FILLED * fmax(neck - there, 0.0)
     };
+    let point = |turn: f64| {
+        let height = cell.height_at(turn, z, |height| radius(turn, height));
+        let at = cell.world(turn, radius(turn, height), height);
+        let [s, d] = line.of(&at);
+        ([s, way * d], height)
+    };
     let points: Vec<[f64; 2]> = (0..ANGLES)
-        .map(|k| {
-            let turn = way * (0.15 + (PI - 0.3) * k as f64 / (ANGLES - 1) as f64);
-            let r = radius(turn);
-            let [s, d] = line.of(&cell.world(turn, r, height));
-            [s, way * d]
-        })
+        .map(|k| point(way * (0.15 + (PI - 0.3) * k as f64 / (ANGLES - 1) as f64)).0)
         .collect();
-    let r = radius(way * FRAC_PI_2);
-    let [s, d] = line.of(&cell.world(way * FRAC_PI_2, r, height));
+    let ([s, d], height) = point(way * FRAC_PI_2);
+    // A level section of a leaning wall is thicker than the wall.
     let thick = sizes::WALL + sizes::THICKENING * fmax(-height, 0.0);
+    let thick = thick / cell.tooth.frame.axis.z;
     let lost = if cell.visible.is_some() {
         0.0
     } else {
@@ -115,7 +114,7 @@ fn outline(line: &Line, cell: &Cell<'_>, side: usize, z: f64) -> Outline {
     };
     Outline {
         points,
-        middle: [s, way * d - lost],
+        middle: [s, d - lost],
         wall: thick,
         above: height,
     }

@@ -44,16 +44,16 @@ pub(super) fn raise(cells: &mut [Cell<'_>]) {
         if let [a, b] = &seen[..] {
             // The lower contact and the larger loss bind both sides.
             let side = |(c, end, [lost, margin]): &(usize, usize, [f64; 2])| {
-                let up = cells[*c].tooth.frame.origin.z * 1e3;
                 let room = cells[*c].contact_low(*end) - margin;
                 let share = 1.0 - fclamp(lost / sizes::BLUNT, 0.0, 1.0);
-                up + margin + fclamp(room, 0.0, sizes::RISE) * share
+                let rise = fclamp(room, 0.0, sizes::RISE) * share;
+                cells[*c].level_of_end(*end, margin + rise)
             };
             tip = fmin(side(a), side(b));
         }
         for (c, end, [_, margin]) in seen {
-            let up = cells[c].tooth.frame.origin.z * 1e3;
-            let rise = fclamp(tip - up - margin, 0.0, sizes::RISE);
+            let room = tip - cells[c].level_of_end(end, margin);
+            let rise = fclamp(room / cells[c].tooth.frame.axis.z, 0.0, sizes::RISE);
             cells[c].set_papilla(end, rise, sizes::PEAKS[order]);
         }
     }

@@ -35,7 +35,7 @@ impl Levels {
         let bounds: Vec<f64> = (0..=cells.len()).map(|k| line.knot(k + 1)).collect();
         let margins = [1.0, -1.0].map(|way| {
             let of = |cell: &Cell<'_>| {
-                cell.level(cell.tooth.shape.cej(way * FRAC_PI_2) + sizes::HEALTHY)
+                cell.level(way, cell.tooth.shape.cej(way * FRAC_PI_2) + sizes::HEALTHY)
             };
             std::array::from_fn(|k| of(&cells[k]))
         });
@@ -43,12 +43,12 @@ impl Levels {
             let widths = [sizes::FACIAL, sizes::LINGUAL][side];
             let margins: &[f64; 2 * SIDE] = &margins[side];
             let middles: Vec<f64> = (0..cells.len())
-                .map(|k| margins[k] - widths[cells[k].kind()])
+                .map(|k| margins[k] - widths[cells[k].kind()] * cells[k].tooth.frame.axis.z)
                 .collect();
             let amplitude = |k: usize, end: usize| {
                 let turn = around(end, [1.0, -1.0][side], PAPILLA);
                 let papilla = cells[k].tooth.shape.cej(turn) - sizes::HEALTHY_PROXIMAL;
-                cells[k].level(papilla) - margins[k]
+                cells[k].level_at(turn, papilla) - margins[k]
             };
             let at_bounds = (0..=cells.len())
                 .map(|k| {

@@ -35,9 +35,7 @@ impl Line {
     pub fn new(all: &[Standing]) -> Self {
         let left = &all[SIDE..];
         let contact = |tooth: &Standing, end: usize| {
-            let mut frame = tooth.frame;
-            frame.origin *= 1e3;
-            let at = to_world(&frame, &tooth.contacts[end]);
+            let at = to_world(&tooth.frame_mm(), &tooth.contacts[end]);
             [at.x, at.y]
         };
         let mut through = vec![[contact(&left[0], 0)[0], 0.0]];

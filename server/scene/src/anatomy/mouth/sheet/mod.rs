@@ -4,9 +4,9 @@
 //! value reaches the sheet: two patients with the same visible values have the same sheet, bit for bit.
 //!
 //! # Margin
-//! The drawn margin touches the tooth at the height of the simulated one. The simulated margin depends a little on the
-//! depth, because the angles of the proximal sites do. The sheet has the angles of a usual depth. Beside a contact the
-//! sheet rises above the simulated margin, up to the contact, where a healthy papilla ends.
+//! The drawn margin touches the tooth at the height of the simulated one. Both have the shape of a pocket of a usual
+//! depth, so that no margin tells a depth. Beside a contact the sheet rises above the simulated margin, up to the
+//! contact, where a healthy papilla ends.
 //!
 //! # Surface
 //! Columns run down both sides of each tooth, from its margin. Between neighbours a saddle joins the columns of both
@@ -36,7 +36,7 @@ mod weave;
 
 use sulcus_core::tissue::TissueModel;
 use sulcus_core::tissue::gingiva::{Gingiva, ToothFrame};
-use sulcus_core::{Object, Scene, Vec3};
+use sulcus_core::{Scene, Vec3};
 
 use super::standing;
 use crate::mesh::TriMesh;
@@ -136,11 +136,6 @@ struct Mouth<'a> {
 ///
 /// Sizes of the collar that a scene file sets are not in the compiled scene. The sheet has the default sizes.
 pub fn sheet(scene: &Scene) -> Option<Sheet> {
-    // A scene without a mouth needs no shapes of teeth, which take seconds.
-    let is_of_mouth = |object: &Object| object.name == format!("gingiva {}", object.fdi);
-    if !scene.objects.iter().any(is_of_mouth) {
-        return None;
-    }
     let all = standing();
     let gingiva = |fdi: u8, frame: &ToothFrame| -> Option<(usize, &Gingiva)> {
         scene

@@ -15,7 +15,7 @@ const WAY: f64 = 0.7;
 const ENDS: [f64; 2] = [5.0, 8.0];
 
 /// Rounds of the final smoothing of all points below the margin, and share of the way in each.
-const SOFT: usize = 10;
+const SOFT: usize = 24;
 const GENTLE: f64 = 0.45;
 
 /// Moves the points of a side's columns towards lip or tongue until each lies between its neighbours. Margins stay.

@@ -35,15 +35,15 @@ impl Ridge {
     /// Ridge of all places.
     pub fn new(line: &Line, cells: &[Cell<'_>], faces: &Faces) -> Self {
         let of = |cell: &Cell<'_>| {
-            let base = cell.level(0.0) + HEALED;
+            let base = cell.level(1.0, 0.0) + HEALED;
             [base + SADDLE, base, base + SADDLE]
         };
         let mut heights: Vec<[f64; 3]> = cells.iter().map(of).collect();
         // Neighbouring ridges meet at one height. Beside a tooth the ridge climbs towards the papilla.
         for k in 1..heights.len() {
             let beside = |k: usize, end: usize| {
-                let up = cells[k].level(0.0);
-                cells[k].papilla(end).map(|[_, margin]| up + margin)
+                let papilla = cells[k].papilla(end);
+                papilla.map(|[_, margin]| cells[k].level_of_end(end, margin))
             };
             let papillae = [
                 beside(k - 1, 1 - cells[k - 1].low_end()),
@@ -65,7 +65,7 @@ impl Ridge {
             })
             .collect();
         Self {
-            behind: cells[2 * SIDE - 1].level(0.0),
+            behind: cells[2 * SIDE - 1].level(1.0, 0.0),
             cells: heights,
             bounds,
             middles,

@@ -10,9 +10,9 @@ pub const LEAST: f64 = 1.2;
 /// Distance from the facial margin of a healthy tooth to the bottom of the vestibule. Front: the mean of a study of the
 /// vestibule is 6.5 at rest, and 7.6 is chosen for a lip drawn away. Back: chosen.
 pub const VESTIBULE: [f64; 7] = [7.6, 7.6, 9.2, 9.0, 9.0, 9.6, 8.4];
-/// Depth of the furrows beside a root on the facial side. A first molar also stands out by its breadth. Chosen, as all
-/// numbers below.
-pub const RELIEF: [f64; 7] = [0.4, 0.4, 0.9, 0.4, 0.4, 0.15, 0.25];
+/// Depth of the furrows beside a root on the facial side. A first molar stands out by its breadth alone, and tissue
+/// fills the furrows beside it: a negative depth. Chosen, as all numbers below.
+pub const RELIEF: [f64; 7] = [0.4, 0.4, 0.9, 0.4, 0.4, -0.3, 0.25];
 /// Distances below the margin between which the relief fades.
 pub const FADES: [f64; 2] = [3.0, 7.5];
 /// Height of the healthy facial margin over the cemento-enamel junction.

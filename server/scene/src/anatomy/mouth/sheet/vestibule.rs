@@ -19,6 +19,10 @@ const LENGTH: [f64; 2] = [9.0, 10.0];
 const RIM: f64 = 4.0;
 const TURN: f64 = 2.0;
 const BEYOND: f64 = 7.0;
+/// Distance along the line over which lip and cheek are smooth, mm to each side, and hollow of the cheek as a share of
+/// its length. Chosen.
+const SPREAD: i32 = 10;
+const HOLLOW: f64 = 0.09;
 /// Places from the midline at which the lip ends and the cheek begins, as numbers of contacts.
 const CORNER: [usize; 2] = [2, 5];
 /// Widening of the outer wall beside molars and elsewhere, mm: the buccal shelf. Chosen.
@@ -34,18 +38,25 @@ pub(super) fn outside(
 ) {
     let (s, knots) = (column.low, &mouth.line.knots);
     let cheek = ramp(s.abs(), knots[CORNER[0]], knots[CORNER[1]]);
-    let shelf = ramp(s.abs(), knots[4], knots[6]);
-    let [bottom, frenum] = mouth.levels.vestibule(s);
-    let bottom = fmin(bottom, line - RADIUS - 0.25);
+    let shelf = |s: f64| ramp(s.abs(), knots[4], knots[6]);
+    let frenum = mouth.levels.vestibule(s)[1];
+    // Lip and cheek follow no root and no single tooth's height. A weight that falls to both sides leaves no kink.
+    let weight = |k: i32| f64::from(SPREAD - k.abs()) / f64::from(SPREAD * SPREAD);
+    let spread = |of: &dyn Fn(f64) -> f64| -> f64 {
+        let beside = (1 - SPREAD..SPREAD).map(|k| weight(k) * of(s + f64::from(k)));
+        beside.sum()
+    };
+    let level = spread(&|s| mouth.levels.vestibule(s)[0]);
+    let bottom = fmin(level, line - RADIUS - 0.25);
     // A frenum is a fin from the wall to the lip: the bottom rises and narrows, the lip stays.
     let frenum = fmax(fmin(frenum, line - bottom - RADIUS - 0.2), 0.0);
     let (radius, start) = (
         RADIUS - 0.25 * frenum,
         bottom + frenum + RADIUS - 0.25 * frenum,
     );
-    let widening = SHELF[0] + (SHELF[1] - SHELF[0]) * shelf;
     let d_of = |z: f64, s: f64| {
         let down = fclamp((line - z) / (line - bottom), 0.0, 1.0);
+        let widening = SHELF[0] + (SHELF[1] - SHELF[0]) * shelf(s);
         mouth.faces.at(0, s, z) + widening * down * down
     };
     let mut put = |d: f64, z: f64, part: Part, share: f64, dark: f64| {
@@ -68,10 +79,8 @@ pub(super) fn outside(
         put(d, z, Part::Mucosa, 1.0 + k as f64 / ROUND as f64, 0.0);
     }
     let angle = PI + turn;
-    let (radius, start) = (RADIUS, bottom + RADIUS);
-    // The lip does not follow each root.
-    let spread = (-4..=4).map(|k| d_of(start, s + f64::from(k)) / 9.0);
-    let centre = spread.sum::<f64>() + radius;
+    let (radius, start) = (RADIUS, level + RADIUS);
+    let centre = spread(&|s| d_of(start, s)) + radius;
     let (d, z) = (
         centre + radius * libm::cos(angle),
         start + radius * libm::sin(angle),
@@ -80,9 +89,10 @@ pub(super) fn outside(
     let (d, z) = (d + length * libm::cos(rise), z + length * libm::sin(rise));
     // The rim curves from the rise over the top and down; its centre lies below.
     let rim = [d + RIM * libm::sin(rise), z - RIM * libm::cos(rise)];
+    let hollow = HOLLOW * length;
     put(
-        d - 0.5 * length * libm::cos(rise),
-        z - 0.5 * length * libm::sin(rise),
+        d - 0.5 * length * libm::cos(rise) + hollow * libm::sin(rise),
+        z - 0.5 * length * libm::sin(rise) - hollow * libm::cos(rise),
         Part::Lip,
         0.25,
         0.0,
