@@ -16,6 +16,8 @@ const NEAR_MM: f64 = 3.0;
 /// Time at the mark, and time of a soft contact, seconds.
 const HOLD_S: f64 = 1.0;
 const TOUCH_S: f64 = 1.0;
+/// Time without force that ends a contact, seconds.
+const RELEASE_S: f64 = 0.1;
 /// Force of a soft contact, newtons. Probing is taught at 0.2 N; a hand without feeling needs more room.
 const SOFT_N: [f64; 2] = [0.03, 0.6];
 /// Largest distance of the tip from a charted site in a contact with the crown, mm.
@@ -35,7 +37,7 @@ const WALK_MM: f64 = 3.0;
 pub enum Step {
     /// Take the tool and move the tip to the mark.
     Hold,
-    /// Touch the enamel softly.
+    /// Touch the enamel softly, and lift.
     Touch,
     /// Read a band.
     Read,
@@ -105,10 +107,21 @@ pub struct FirstLesson {
     mark: Vector,
     /// Number of finished steps.
     done: usize,
-    /// Time for which the present step's state lasts, seconds.
-    lasts_s: f64,
-    is_heavy: bool,
+    /// Time at the mark, seconds.
+    held_s: f64,
+    contact: Contact,
     walk: Option<Walked>,
+}
+
+/// Contact of the tip, from its first force to its release.
+#[derive(Clone, Copy, Debug, Default)]
+struct Contact {
+    /// Soft time at the crown, seconds.
+    soft_s: f64,
+    /// Whether the force was too great at any time: a heavy press begins softly.
+    is_heavy: bool,
+    /// Time without force, seconds.
+    free_s: f64,
 }
 
 /// Walk under way.
@@ -139,8 +152,8 @@ impl FirstLesson {
         Some(Self {
             mark,
             done: 0,
-            lasts_s: 0.0,
-            is_heavy: false,
+            held_s: 0.0,
+            contact: Contact::default(),
             walk: None,
         })
     }
@@ -155,9 +168,14 @@ impl FirstLesson {
         self.mark
     }
 
-    /// Whether the last contact was too heavy.
+    /// Whether the present contact is or was too heavy.
     pub fn is_heavy(&self) -> bool {
-        self.is_heavy
+        self.contact.is_heavy
+    }
+
+    /// Whether the present contact was soft for long enough: the tip may be lifted.
+    pub fn may_lift(&self) -> bool {
+        !self.contact.is_heavy && self.contact.soft_s >= TOUCH_S
     }
 
     /// Takes in a state. Returns the step that it completes.
@@ -166,17 +184,15 @@ impl FirstLesson {
         let is_done = match step {
             Step::Hold => {
                 let near = |tip: &Vector| (tip - self.mark).norm() < NEAR_MM;
-                self.lasts(seen.tip_mm.as_ref().is_some_and(near), seen.dt_s, HOLD_S)
+                let is_near = seen.tip_mm.as_ref().is_some_and(near);
+                self.held_s = if is_near {
+                    self.held_s + seen.dt_s
+                } else {
+                    0.0
+                };
+                self.held_s >= HOLD_S
             }
-            Step::Touch => {
-                let [least, most] = SOFT_N;
-                self.is_heavy = seen.force_n > most;
-                let at_crown = |[far, up]: [f64; 2]| far < CROWN_MM && up > ABOVE_MM;
-                let at_crown = seen.from_site_mm.is_some_and(at_crown);
-                let touches = seen.tip_mm.is_some() && at_crown;
-                let soft = touches && seen.force_n >= least && !self.is_heavy;
-                self.lasts(soft, seen.dt_s, TOUCH_S)
-            }
+            Step::Touch => self.touches(seen),
             Step::Read => false,
             Step::Walk => self.walks(seen),
         };
@@ -191,13 +207,29 @@ impl FirstLesson {
 
     fn next(&mut self, step: Step) -> Step {
         self.done += 1;
-        (self.lasts_s, self.is_heavy, self.walk) = (0.0, false, None);
+        (self.held_s, self.contact, self.walk) = (0.0, Contact::default(), None);
         step
     }
 
-    fn lasts(&mut self, holds: bool, dt_s: f64, wanted_s: f64) -> bool {
-        self.lasts_s = if holds { self.lasts_s + dt_s } else { 0.0 };
-        self.lasts_s >= wanted_s
+    /// A contact counts at its release, when all of it is known.
+    fn touches(&mut self, seen: &Seen) -> bool {
+        let [least, most] = SOFT_N;
+        if seen.tip_mm.is_some() && seen.force_n >= least {
+            let at_crown = |[far, up]: [f64; 2]| far < CROWN_MM && up > ABOVE_MM;
+            self.contact.free_s = 0.0;
+            self.contact.is_heavy |= seen.force_n > most;
+            if seen.from_site_mm.is_some_and(at_crown) {
+                self.contact.soft_s += seen.dt_s;
+            }
+            return false;
+        }
+        self.contact.free_s += seen.dt_s;
+        if self.contact.free_s < RELEASE_S {
+            return false;
+        }
+        let is_soft = self.may_lift();
+        self.contact = Contact::default();
+        is_soft
     }
 
     fn walks(&mut self, seen: &Seen) -> bool {
@@ -247,8 +279,8 @@ mod tests {
         FirstLesson {
             mark: Vector::new(1.0, 2.0, 3.0),
             done,
-            lasts_s: 0.0,
-            is_heavy: false,
+            held_s: 0.0,
+            contact: Contact::default(),
             walk: None,
         }
     }
@@ -278,21 +310,46 @@ mod tests {
     }
 
     #[test]
-    fn a_heavy_contact_is_told_and_a_soft_one_at_the_crown_counts() {
-        let mut lesson = lesson(1);
+    fn a_soft_contact_at_the_crown_counts_at_its_release_and_a_heavy_one_is_told() {
         let touch = |force_n: f64, up: f64| Seen {
             tip_mm: Some(Vector::zeros()),
             from_site_mm: Some([4.0, up]),
             force_n,
             ..REST
         };
-        let mut press = |seen: Seen| {
-            let found = (0..90).find_map(|_| lesson.see(&seen));
-            (found, lesson.is_heavy())
+        // Forces of a contact in turn, each for 80 states, then the release.
+        let press = |forces: &[f64], up: f64| {
+            let mut lesson = lesson(1);
+            let (mut is_heavy, mut may_lift) = (false, false);
+            for force_n in forces {
+                for _ in 0..80 {
+                    assert_eq!(lesson.see(&touch(*force_n, up)), None, "before the release");
+                    (is_heavy, may_lift) = (lesson.is_heavy(), lesson.may_lift());
+                }
+            }
+            let released = touch(0.0, up);
+            let found = (0..20).find_map(|_| lesson.see(&released));
+            (found, is_heavy, may_lift)
         };
-        assert_eq!(press(touch(0.9, 3.0)), (None, true));
-        assert_eq!(press(touch(0.2, -1.0)), (None, false), "on the gum");
-        assert_eq!(press(touch(0.2, 3.0)), (Some(Step::Touch), false));
+        assert_eq!(press(&[0.2], 3.0), (Some(Step::Touch), false, true));
+        assert_eq!(press(&[0.9], 3.0), (None, true, false));
+        assert_eq!(press(&[0.2, 0.9, 0.2], 3.0), (None, true, false), "a ramp");
+        assert_eq!(press(&[0.2], -1.0), (None, false, false), "on the gum");
+    }
+
+    #[test]
+    fn a_contact_is_not_added_up_from_short_ones() {
+        let mut lesson = lesson(1);
+        for k in 0..2000 {
+            let force_n = if k % 40 < 20 { 0.2 } else { 0.0 };
+            let seen = Seen {
+                tip_mm: Some(Vector::zeros()),
+                from_site_mm: Some([4.0, 3.0]),
+                force_n,
+                ..REST
+            };
+            assert_eq!(lesson.see(&seen), None);
+        }
     }
 
     #[test]

@@ -86,6 +86,7 @@ impl Pupil {
         let done = self.finished.map(|step| words.done[number(step)]);
         let task = match first.step() {
             Some(Step::Touch) if first.is_heavy() => words.heavy,
+            Some(Step::Touch) if first.may_lift() => words.lift,
             Some(step) => words.tasks[number(step)],
             None => words.ended,
         };

@@ -136,3 +136,22 @@ fn a_hand_that_does_nothing_reaches_no_step() {
     assert_eq!(session.perform(script, 15.0), None);
     assert_eq!(session.lesson.step(), Some(Step::Hold));
 }
+
+#[test]
+fn a_heavy_hand_does_not_pass_as_a_soft_touch() {
+    let mut session = Session::new();
+    let mark = session.with_tip(session.lesson.mark() * 1e-3);
+    let hold = OneTool {
+        pose: move |_| mark,
+        duration_s: 60.0,
+    };
+    assert_eq!(session.perform(Box::new(hold), 5.0), Some(Step::Hold));
+    // 8 mm of press are far over a newton.
+    let params = CrownParams {
+        press: 8e-3,
+        lift_every: 1e6,
+        ..CrownParams::default()
+    };
+    let press = Crown::new(&session.scene, None, params).expect("a crown");
+    assert_eq!(session.perform(Box::new(press), 6.0), None);
+}

@@ -126,6 +126,20 @@ pub struct Canvas {
 }
 
 impl Canvas {
+    /// Empty canvas of a window of `window` physical pixels on a display with the scale factor `scale`, and the area of
+    /// the whole window.
+    pub fn over(window: [u32; 2], scale: f32) -> (Self, Area) {
+        let canvas = Self {
+            list: Vec::new(),
+            metrics: Metrics::of(window, scale),
+        };
+        let whole = Area {
+            min: [0.0; 2],
+            max: window.map(|pixels| pixels as f32),
+        };
+        (canvas, whole)
+    }
+
     /// Adds a filled rectangle. An empty one is left out.
     pub fn rect(&mut self, area: Area, rgba: Rgba) {
         let Area { min, max } = area;

@@ -1,7 +1,7 @@
 //! Page after a session: score, advice, and the worst finding, which the picture replays.
 
-use super::canvas::{Area, Canvas, Metrics};
-use super::colour::{GREY, GROUND, WHITE, YELLOW};
+use super::canvas::{Area, Canvas};
+use super::colour::{GREY, WHITE, YELLOW};
 use super::words::decimal;
 use super::{Panel, practice};
 use crate::strings::{Strings, fill};
@@ -39,25 +39,15 @@ pub enum End {
 /// Page for a window of `window` physical pixels on a display with the scale factor `scale`. The picture has its place
 /// in [`Panel::free`].
 pub fn end(end: &End, window: [u32; 2], scale: f32, strings: &Strings) -> Panel {
-    let metrics = Metrics::of(window, scale);
-    let mut canvas = Canvas {
-        list: Vec::new(),
-        metrics,
-    };
-    let mut free = Area {
-        min: [0.0; 2],
-        max: window.map(|pixels| pixels as f32),
-    };
-    if let Some(column) = free.cut_right(practice::column_width(&metrics, free.width())) {
-        canvas.rect(column, GROUND);
-        let mut rows = column.inset(metrics.pad);
+    let (mut canvas, mut free) = Canvas::over(window, scale);
+    if let Some(mut rows) = practice::column(&mut canvas, &mut free) {
         let words = &strings.end;
         // The way out has its room before all others.
-        if let Some(row) = rows.cut_bottom(metrics.row) {
+        if let Some(row) = rows.cut_bottom(canvas.metrics.row) {
             canvas.text(row, words.close, Weight::Regular, GREY);
         }
         canvas.paragraph(&mut rows, words.ended, ROWS, Weight::Bold, WHITE);
-        rows.cut_top(metrics.pad);
+        rows.cut_top(canvas.metrics.pad);
         let sentence = match end {
             End::Silent => None,
             End::Replaying => Some(words.replaying),
@@ -79,7 +69,7 @@ pub fn end(end: &End, window: [u32; 2], scale: f32, strings: &Strings) -> Panel 
             graded(&mut canvas, &mut rows, (*score, *passed), strings);
             practise(&mut canvas, &mut rows, advice, strings);
             if let Some(finding) = finding {
-                rows.cut_top(metrics.pad);
+                rows.cut_top(canvas.metrics.pad);
                 canvas.line(&mut rows, words.worst, Weight::Bold, YELLOW);
                 canvas.paragraph(&mut rows, finding, ROWS, Weight::Regular, WHITE);
             }

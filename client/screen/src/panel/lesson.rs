@@ -1,7 +1,7 @@
 //! Panel of the band trainer: question, typed number, and in practice the right answer.
 
-use super::canvas::{Area, Canvas, Metrics};
-use super::colour::{GREY, GROUND, WHITE, YELLOW};
+use super::canvas::{Area, Canvas};
+use super::colour::{GREY, WHITE, YELLOW};
 use super::state::Mode;
 use super::words::decimal;
 use super::{Panel, practice};
@@ -23,25 +23,15 @@ pub fn lesson(
     scale: f32,
     strings: &Strings,
 ) -> Panel {
-    let metrics = Metrics::of(window, scale);
-    let mut canvas = Canvas {
-        list: Vec::new(),
-        metrics,
-    };
-    let mut free = Area {
-        min: [0.0; 2],
-        max: window.map(|pixels| pixels as f32),
-    };
-    if let Some(column) = free.cut_right(practice::column_width(&metrics, free.width())) {
-        canvas.rect(column, GROUND);
-        let mut rows = column.inset(metrics.pad);
+    let (mut canvas, mut free) = Canvas::over(window, scale);
+    if let Some(mut rows) = practice::column(&mut canvas, &mut free) {
         if lesson.task().is_some() {
             question(&mut canvas, &mut rows, lesson, strings);
         } else {
             canvas.paragraph(&mut rows, strings.lesson.ended, ROWS, Weight::Bold, WHITE);
         }
         if mode == Mode::Practice {
-            rows.cut_top(metrics.pad);
+            rows.cut_top(canvas.metrics.pad);
             feedback(&mut canvas, &mut rows, lesson, strings);
         }
     }

@@ -41,7 +41,7 @@ pub use state::{
 pub use trace::{Trace, VALUES};
 
 use crate::strings::Strings;
-use canvas::{Canvas, Metrics};
+use canvas::Canvas;
 
 /// Panel of one picture.
 #[derive(Clone, Debug, PartialEq)]
@@ -56,14 +56,7 @@ pub struct Panel {
 ///
 /// All primitives lie inside the window, and no two texts overlap. Parts that find no room are left out, status last.
 pub fn layout(state: &PanelState, window: [u32; 2], scale: f32, strings: &Strings) -> Panel {
-    let mut canvas = Canvas {
-        list: Vec::new(),
-        metrics: Metrics::of(window, scale),
-    };
-    let whole = Area {
-        min: [0.0; 2],
-        max: window.map(|pixels| pixels as f32),
-    };
+    let (mut canvas, whole) = Canvas::over(window, scale);
     let free = match state.mode {
         Mode::Practice => practice::practice(&mut canvas, whole, state, strings),
         Mode::Exam => {

@@ -16,8 +16,16 @@ const SHARES: [f32; 2] = [0.22, 0.4];
 /// Largest number of rows of the next step, and of the task.
 const ROWS: [usize; 2] = [4, 6];
 
+/// Cuts the column off the right of an area and fills it. Returns the room for its rows; `None` without room.
+pub fn column(canvas: &mut Canvas, area: &mut Area) -> Option<Area> {
+    let metrics = canvas.metrics;
+    let column = area.cut_right(column_width(&metrics, area.width()))?;
+    canvas.rect(column, GROUND);
+    Some(column.inset(metrics.pad))
+}
+
 /// Width of the column in an area of `width`, pixels.
-pub fn column_width(metrics: &Metrics, width: f32) -> f32 {
+fn column_width(metrics: &Metrics, width: f32) -> f32 {
     let [share, most] = SHARES.map(|share| share * width);
     let wanted = COLUMNS * metrics.size.advance() + 2.0 * metrics.pad;
     wanted.max(share).min(most)
@@ -32,10 +40,7 @@ pub fn practice(
 ) -> Area {
     let items = status::items(&state.status, state.help.detail, strings);
     status::strip(canvas, &mut area, &items, false);
-    let metrics = canvas.metrics;
-    if let Some(column) = area.cut_right(column_width(&metrics, area.width())) {
-        canvas.rect(column, GROUND);
-        let mut rows = column.inset(metrics.pad);
+    if let Some(mut rows) = column(canvas, &mut area) {
         head(
             canvas,
             &mut rows,

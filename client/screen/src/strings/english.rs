@@ -118,7 +118,7 @@ pub const ENGLISH: Strings = Strings {
         title: "First lesson, step {0} of {1}",
         tasks: [
             "Take the probe: press Space, then move the mouse. Bring the tip to the yellow mark and keep it there for a second.",
-            "Lower the tip to the side of the crown and touch the enamel softly. The force is shown above.",
+            "Lower the tip to the side of the crown, touch the enamel softly for a second, and lift the tip again. The force is shown above.",
             "Press Space to let the probe rest. Then read the depth and type the number, and Return.",
             "Take the probe again. Slide it down beside the tooth into the pocket. Walk along the margin in short bobs, without leaving the pocket.",
         ],
@@ -128,7 +128,8 @@ pub const ENGLISH: Strings = Strings {
             "Right.",
             "Well walked.",
         ],
-        heavy: "Too heavy. Ease off until the tip only rests on the enamel.",
+        heavy: "Too heavy. Lift the tip, then let it only rest on the enamel.",
+        lift: "Softly enough. Lift the tip.",
         ended: "The first lesson is done. F10 ends it.",
     },
     hands: HandWords {

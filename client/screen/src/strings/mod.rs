@@ -67,6 +67,8 @@ pub struct FirstWords {
     pub done: [&'static str; 4],
     /// Hint for a heavy contact.
     pub heavy: &'static str,
+    /// Hint to lift the tip after a soft contact.
+    pub lift: &'static str,
     /// End of the lesson.
     pub ended: &'static str,
 }
