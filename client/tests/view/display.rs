@@ -2,6 +2,7 @@
 
 use std::process::{Child, Command, Stdio};
 use std::sync::atomic::{AtomicU32, Ordering};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
 use sulcus_screen::gpu::{Backend, Graphics};
@@ -12,16 +13,29 @@ pub fn adapter() -> Result<(), String> {
     opened.map(|_| ()).map_err(|error| error.to_string())
 }
 
+/// Turn of a test that draws in software: one at a time.
+///
+/// A window beside other drawing has frames of a second. Lengths of key presses are not known better than that.
+pub type Turn = MutexGuard<'static, ()>;
+
+/// Waits for the turn to draw.
+pub fn turn() -> Turn {
+    static TURN: Mutex<()> = Mutex::new(());
+    TURN.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
 /// Running Xvfb; it ends with this value.
 pub struct VirtualDisplay {
     server: Child,
     name: String,
+    _turn: Turn,
 }
 
 impl VirtualDisplay {
-    /// Starts a display with a number of its own.
+    /// Starts a display with a number of its own, when no other test draws.
     pub fn start() -> Result<Self, String> {
         static STARTED: AtomicU32 = AtomicU32::new(0);
+        let turn = turn();
         let number = STARTED.fetch_add(1, Ordering::Relaxed);
         let name = format!(":{}", 100 + (4 * std::process::id() + number) % 30_000);
         let server = Command::new("Xvfb")
@@ -30,7 +44,11 @@ impl VirtualDisplay {
             .stderr(Stdio::null())
             .spawn()
             .map_err(|error| format!("Xvfb: {error}"))?;
-        let display = Self { server, name };
+        let display = Self {
+            server,
+            name,
+            _turn: turn,
+        };
         let begin = Instant::now();
         while !display.answers()? {
             if begin.elapsed() > Duration::from_secs(60) {

@@ -13,6 +13,8 @@ use sulcus_screen::stage::Stage;
 use sulcus_screen::views::View;
 use sulcus_support::Resource;
 
+use crate::display;
+
 /// Size of a picture.
 const SIZE: [u32; 2] = [1280, 720];
 /// Tooth in the middle of the view.
@@ -70,6 +72,7 @@ fn count(a: &Image, b: &Image, differs: impl Fn([u8; 4], [u8; 4]) -> bool) -> us
 
 #[test]
 fn cheap_levels_have_few_triangles_and_calls() {
+    let _turn = display::turn();
     let scene = mouth();
     let (drawing, _, held) = view(&scene);
     for (quality, [most, drawn, draws]) in MOST {
@@ -89,6 +92,7 @@ fn cheap_levels_have_few_triangles_and_calls() {
 
 #[test]
 fn every_level_shows_the_mirror_and_blood_in_a_whole_mouth() {
+    let _turn = display::turn();
     let scene = mouth();
     let is_gingiva = |object: &DisplayObject| object.kind == Kind::Gingiva && object.fdi == TOOTH;
     let object = scene
