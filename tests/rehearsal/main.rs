@@ -1,7 +1,7 @@
 //! Rehearsal: a class hour in a few minutes, with the programs as a school runs them.
 //!
 //! An IT person makes tokens from a roster and writes the file of the stations. Four students join. An instructor
-//! pauses a hand, writes a note and sends a message. A screen shows a station. A cable is pulled and put back. The
+//! pauses a hand, writes a note and sends a message. A screen shows a station, and is drawn. A cable is pulled and put back. The
 //! server is killed and started again, and the students go on with their old tickets. The certificate is rotated. At
 //! the end all recordings replay identically, and each student has one grade, also from two recordings.
 //!
@@ -17,10 +17,16 @@ use sulcus_connection::display::{Cache, DisplayLink};
 use sulcus_connection::instructor::{Heard, Instructor};
 use sulcus_connection::link::{LinkConfig, LinkError, Pin};
 use sulcus_proto::control::Instruction;
-use sulcus_proto::display::DisplayFrame;
+use sulcus_proto::display::{DisplayFrame, Kind};
 use sulcus_proto::hex::from_hex32;
 use sulcus_proto::station::{Phase, StationStatus};
 use sulcus_proto::{Role, Ticket};
+use sulcus_screen::gpu::{Backend, Drawing, Graphics, Mode, Renderer};
+use sulcus_screen::moment::Moment;
+use sulcus_screen::quality::Quality;
+use sulcus_screen::stage::{Owner, Stage};
+use sulcus_screen::views::View;
+use sulcus_support::Resource;
 use sulcus_support::relay::Relay;
 use sulcus_tests::{Ended, Place, Program, files_with};
 
@@ -176,6 +182,36 @@ fn shown(screen: &mut DisplayLink, fits: impl Fn(&DisplayFrame) -> bool) -> Disp
     );
 }
 
+/// Draws what a screen has received: a picture with the tooth, its gingiva and the probe.
+fn drawn(graphics: Graphics, screen: &mut DisplayLink) {
+    const SIZE: [u32; 2] = [640, 360];
+    let picture = screen.newest().expect("a picture").clone();
+    let frame = picture.frame.expect("a frame");
+    let moment = Moment::of(&picture.scene, &frame);
+    let aspect = f64::from(SIZE[0]) / f64::from(SIZE[1]);
+    let camera = View::CloseUp.camera(&picture.scene, &moment, None, aspect);
+    let quality = Quality::Lowest;
+    let stage = Stage::new(&picture.scene, quality.looks().thinned_um);
+    let mut renderer = Renderer::new(graphics, stage, quality, Mode::Identity);
+    let image = renderer.picture(&Drawing::through(camera), &moment, SIZE);
+    let image = image.expect("a picture");
+    let share = |owner: Owner| {
+        let colour = Renderer::identity(owner);
+        let pixels = image.rgba.iter().filter(|pixel| **pixel == colour);
+        pixels.count() as f64 / image.rgba.len() as f64
+    };
+    for kind in [Kind::Tooth, Kind::Gingiva] {
+        let object = picture
+            .scene
+            .objects
+            .iter()
+            .position(|one| one.kind == kind);
+        let number = object.expect("an object of this kind") as u16;
+        assert!(share(Owner::Object(number)) > 0.01, "{kind:?}");
+    }
+    assert!(share(Owner::Tool(0)) > 0.002, "the probe");
+}
+
 /// Waits for a status of a station that fits.
 fn until(
     instructor: &mut Instructor,
@@ -277,6 +313,11 @@ fn a_class_hour() {
     let cut = shown(&mut screen, |_| true).tick;
     let again = shown(&mut screen, |frame| frame.tick > cut + 500);
     assert_eq!(again.scene, scene.scene);
+    let graphics = Graphics::headless(Backend::Any).map_err(|error| error.to_string());
+    if let Some(graphics) = Resource::Adapter.or_skip(graphics) {
+        act("the third student's screen is drawn");
+        drawn(graphics, &mut screen);
+    }
 
     act("the server is killed, and started again with the same tickets");
     server.process.kill().expect("SIGKILL");
