@@ -7,6 +7,7 @@ use wgpu::{
 use super::adapter::Graphics;
 use super::buffers::{Buffers, List, empty};
 use super::drawing::{Drawing, Mode, Work};
+use super::palate;
 use super::panel::PanelDrawer;
 use super::pass::{Blocks, begin, constants, entry, offset};
 use super::pipelines::{Layouts, Pipelines};
@@ -40,11 +41,11 @@ const DARK: wgpu::Color = wgpu::Color {
     a: 1.0,
 };
 
-/// Background of a reflection, linear light: palate and cheek in dim light, which no scene has as meshes. Chosen.
-const PALATE: wgpu::Color = wgpu::Color {
-    r: 0.085,
-    g: 0.038,
-    b: 0.033,
+/// Background of a reflection, linear light: cheek and throat in dim light behind the upper jaw. Chosen.
+const THROAT: wgpu::Color = wgpu::Color {
+    r: 0.060,
+    g: 0.027,
+    b: 0.024,
     a: 1.0,
 };
 
@@ -337,7 +338,7 @@ impl Renderer {
         }
         self.plan(0, moment, &main.matrix(), None, true);
         self.work = self.lists.iter().fold(Work::default(), List::add);
-        let behind = if self.is_lit { PALATE } else { DARK };
+        let behind = if self.is_lit { THROAT } else { DARK };
         let [dark, behind] = [DARK, behind].map(|c| self.coded(c));
         let descriptor = wgpu::CommandEncoderDescriptor::default();
         let mut encoder = self.graphics.device.create_command_encoder(&descriptor);
@@ -359,6 +360,12 @@ impl Renderer {
             pass.set_viewport(0.0, 0.0, w, h, 0.0, 1.0);
             pass.set_pipeline(&self.pipelines.reflected[usize::from(seen.pass.turns)]);
             self.meshes(&mut pass, 1 + k, &[true, false]);
+            if let Some(pipeline) = &self.pipelines.palate {
+                pass.set_pipeline(pipeline);
+                pass.draw(0..palate::CORNERS, 0..1);
+                self.work.draws += 1;
+                self.work.triangles += palate::CORNERS as usize / 3;
+            }
         }
         if let Some(targets) = &self.targets {
             let colour = match &targets.samples {

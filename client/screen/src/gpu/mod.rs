@@ -4,6 +4,7 @@ mod adapter;
 mod buffers;
 mod draw;
 mod drawing;
+mod palate;
 mod panel;
 mod pass;
 mod pipelines;

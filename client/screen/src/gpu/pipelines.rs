@@ -2,6 +2,7 @@
 
 use wgpu::{BindGroupLayout, Device, FrontFace, RenderPipeline, ShaderModule, TextureFormat};
 
+use super::palate;
 use super::targets::DEPTH;
 use crate::quality::Looks;
 use crate::stage::{Moving, Still};
@@ -22,6 +23,8 @@ pub(super) struct Pipelines {
     pub meshes: [RenderPipeline; 2],
     /// The same for a reflection, which has one sample.
     pub reflected: [RenderPipeline; 2],
+    /// Upper jaw of a reflection; `None` for pictures without light.
+    pub palate: Option<RenderPipeline>,
     /// Glass: clean, and with fog or scratches.
     pub glass: [RenderPipeline; 2],
     /// Depth of the shadow map.
@@ -185,6 +188,7 @@ impl Pipelines {
         Self {
             meshes: fronts.map(|front| meshes(front, looks.samples)),
             reflected: fronts.map(|front| meshes(front, 1)),
+            palate: (!identity).then(|| palate::pipeline(device, layouts, &target)),
             glass: ["clean", "pixel"].map(|entry| {
                 Recipe {
                     label: "glass",
