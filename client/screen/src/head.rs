@@ -29,7 +29,7 @@ impl Head {
             ("turn", turn_deg, MOST_DEG[0]),
             ("tilt", tilt_deg, MOST_DEG[1]),
         ] {
-            if deg.abs() > most {
+            if !(-most..=most).contains(&deg) {
                 return Err(format!(
                     "the {name} of the head is {deg} degrees, expected -{most} to {most}"
                 ));

@@ -234,6 +234,17 @@ pub(crate) fn switch_of_key(key: &WindowKey) -> Option<Switch> {
     }
 }
 
+/// Switch of a function key by its place on the keyboard; `None` for any other key.
+pub(crate) fn switch_of_code(key: PhysicalKey) -> Option<Switch> {
+    let PhysicalKey::Code(code) = key else {
+        return None;
+    };
+    let name = format!("{code:?}");
+    let number = name.strip_prefix('F')?;
+    let is_function = !number.is_empty() && number.bytes().all(|byte| byte.is_ascii_digit());
+    is_function.then(|| Switch::Key(name.to_lowercase()))
+}
+
 /// Switch of a mouse button; `None` for a button beyond the fifth.
 pub(crate) fn switch_of_button(button: MouseButton) -> Option<Switch> {
     let button = match button {

@@ -23,7 +23,8 @@ use crate::hand::keys::Control;
 use crate::hand::pad::PadEvent;
 use crate::handed::Handed;
 use crate::input::{
-    HandsInput, PadsInput, PedalInput, of_button, of_key, switch_of_button, switch_of_key,
+    HandsInput, PadsInput, PedalInput, of_button, of_key, switch_of_button, switch_of_code,
+    switch_of_key,
 };
 use crate::material::Glass;
 use crate::panel::{Detail, layout};
@@ -134,6 +135,7 @@ pub fn run(show: Box<dyn Show>, settings: Settings) -> Result<Report, ScreenErro
         cursor: [0.0; 2],
         next: Instant::now(),
         last: Instant::now(),
+        has_drawn: false,
     };
     let ran = event_loop.run_app(&mut application);
     ran.map_err(|error| no_display(&error))?;
@@ -170,6 +172,8 @@ struct Application {
     cursor: [f64; 2],
     next: Instant,
     last: Instant,
+    /// Whether a picture was drawn since the last turn of the loop.
+    has_drawn: bool,
 }
 
 impl ApplicationHandler for Application {
@@ -190,10 +194,21 @@ impl ApplicationHandler for Application {
                     opened.screen.resize([size.width, size.height]);
                 }
             }
-            WindowEvent::RedrawRequested => self.redraw(event_loop),
+            WindowEvent::RedrawRequested => {
+                self.redraw(event_loop);
+                self.has_drawn = true;
+            }
             WindowEvent::KeyboardInput { event, .. } => {
                 let is_pressed = event.state == ElementState::Pressed;
-                if self.stepped_on(switch_of_key(&event.logical_key), is_pressed) {
+                // A keyboard's layout has other names for the keys from F13 on.
+                let switches = [
+                    switch_of_key(&event.logical_key),
+                    switch_of_code(event.physical_key),
+                ];
+                if switches
+                    .into_iter()
+                    .any(|switch| self.stepped_on(switch, is_pressed))
+                {
                     return;
                 }
                 let is_hands = of_key(event.physical_key, self.settings.hand)
@@ -202,7 +217,7 @@ impl ApplicationHandler for Application {
                 let is_clutch =
                     self.hands.is_some() && event.logical_key == WindowKey::Named(NamedKey::Space);
                 if is_pressed && event.logical_key == WindowKey::Named(NamedKey::F10) {
-                    if self.show.leaves() {
+                    if !event.repeat && self.show.leaves() {
                         event_loop.exit();
                     }
                 } else if is_pressed && !is_hands && !is_clutch {
@@ -276,7 +291,10 @@ impl ApplicationHandler for Application {
             self.hands = None;
             self.grab();
         }
-        self.poll();
+        // Events that came during a picture are still to be taken. The next turn of the loop takes them before it polls.
+        if !std::mem::take(&mut self.has_drawn) {
+            self.poll();
+        }
         if let Some(opened) = self.opened.as_ref().filter(|_| Instant::now() >= self.next) {
             self.next = Instant::now() + opened.period;
             opened.window.request_redraw();

@@ -34,7 +34,7 @@ pub struct Album<'a> {
 }
 
 impl<'a> Album<'a> {
-    /// Drawer for a scene. Pictures of tick 0 show the scene at rest, and are drawn here.
+    /// Drawer for a scene with ticks of `tick_s` seconds. Pictures of tick 0 show the scene at rest, and are drawn here.
     ///
     /// # Errors
     /// An unknown name of a quality or of a glass, or a file that cannot be written.
@@ -42,6 +42,7 @@ impl<'a> Album<'a> {
         args: &'a PictureArgs,
         shots: Shots,
         display: &'a Display,
+        tick_s: f64,
         graphics: Graphics,
     ) -> anyhow::Result<Self> {
         let named = |error: String| anyhow!(error);
@@ -51,7 +52,6 @@ impl<'a> Album<'a> {
         let head = Head::new(args.head_turn, args.head_tilt).map_err(named)?;
         let stage = Stage::new(display.scene(), quality.looks().thinned_um);
         let triangles = stage.triangles();
-        let tick_s = display.scene().tick_ns as f64 / 1e9;
         let first = shots.all.first().filter(|_| shots.is_sequence);
         let eye = first.map(|shot| {
             let mut eye = Eye::new(shot.view);

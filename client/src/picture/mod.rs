@@ -8,7 +8,7 @@ mod shots;
 
 use std::path::Path;
 
-use anyhow::Context;
+use anyhow::{Context, bail};
 use sulcus_connection::progress::Steps;
 use sulcus_core::{NoProbe, Scene, State, TickInput, TickOutput, Workspace, tick};
 use sulcus_demo::exercise::{self, Asked};
@@ -26,6 +26,8 @@ use album::Album;
 pub(crate) use follower::Follower;
 use shots::Shots;
 
+/// Time behind the end of a recording, seconds, at which its last tick is still drawn: whole seconds are usually asked for.
+const BEYOND_S: f64 = 1.0;
 /// Exercise of a picture without a scene.
 const USUAL: &str = "bimanual";
 
@@ -49,7 +51,7 @@ pub fn run(args: &PictureArgs) -> anyhow::Result<u8> {
             let compiled =
                 exercise::compile(Some(file), BuiltIn::Crown, args.patient_seed, &steps)?;
             let display = Display::new(&compiled.scene)?;
-            let mut album = Album::new(args, shots, &display, graphics)?;
+            let mut album = Album::new(args, shots, &display, compiled.scene.tick_s(), graphics)?;
             // Nothing moves, so every time shows the same.
             album.all(&Moment::rest(display.scene()))?;
             return Ok(0);
@@ -62,7 +64,7 @@ pub fn run(args: &PictureArgs) -> anyhow::Result<u8> {
     };
     let mut prepared = exercise::prepare(&asked, &steps)?;
     let display = Display::new(&prepared.scene)?;
-    let album = Album::new(args, shots, &display, graphics)?;
+    let album = Album::new(args, shots, &display, prepared.scene.tick_s(), graphics)?;
     let bar = steps.bar("performing");
     let progress = |share| bar.set("performing", share);
     performed(
@@ -117,18 +119,27 @@ fn replayed(
     let text = &recording.header().exercise;
     // A recording of no exercise has an empty text: a free session.
     let exercise = Exercise::parse(text).unwrap_or_else(|_| Exercise::free("free", 1.0));
-    let options = ReplayOptions {
-        span: Span {
-            from_s: None,
-            to_s: Some(shots.last_s()),
-        },
-        ..ReplayOptions::default()
-    };
-    let mut album = Album::new(args, shots, &display, graphics)?;
+    let tick_s = scene.tick_s();
+    let mut album = Album::new(args, shots, &display, tick_s, graphics)?;
     let mut follower = Follower::new(&scene, &display, &exercise);
     let last = album.last_tick();
     // A tick of the grid may be missing: the next one serves, or the last one of the recording.
     let end = recording.facts().ticks.map_or(0, |ticks| ticks.1);
+    let [last_s, end_s] = [last, end].map(|tick| tick as f64 * tick_s);
+    if last_s > end_s + BEYOND_S {
+        bail!(
+            "{}: a picture is asked for at {last_s:.3} s, expected at most {end_s:.3} s, the end of the recording",
+            file.shown()
+        );
+    }
+    let options = ReplayOptions {
+        span: Span {
+            from_s: None,
+            // Half a tick beyond: a product may be rounded to just below the last tick.
+            to_s: Some((last as f64 + 0.5) * tick_s),
+        },
+        ..ReplayOptions::default()
+    };
     let bar = steps.bar("replaying");
     let mut progress = |ticks: u64| bar.set("replaying", ticks as f64 / last.max(1) as f64);
     let mut drawn = Ok(());

@@ -59,11 +59,6 @@ impl Shots {
         all.sort_by(|a, b| a.at_s.total_cmp(&b.at_s));
         Ok(Self { all, is_sequence })
     }
-
-    /// Last time, seconds.
-    pub fn last_s(&self) -> f64 {
-        self.all.last().map_or(0.0, |shot| shot.at_s)
-    }
 }
 
 /// Times of a sequence, both ends included.
@@ -214,7 +209,7 @@ mod tests {
         let files = [PathBuf::from("2.png"), PathBuf::from("1.png")];
         assert_eq!(named, [(1.0, &files[0]), (3.0, &files[1])]);
         let one = shots(&["--out", "50 %.png"]).expect("one");
-        assert_eq!((one.last_s(), one.all.len()), (0.0, 1));
+        assert_eq!((one.all[0].at_s, one.all.len()), (0.0, 1));
         assert_eq!(one.all[0].out, Path::new("50 %.png"));
     }
 

@@ -131,9 +131,11 @@ pub fn beside(
                     take: &take,
                     ended: &end,
                 };
+                // A panic ends the session, too.
+                let over = Flag(ended);
                 let code = finish(session(Some(screen)));
                 ending.set(code);
-                ended.store(true, Ordering::Release);
+                drop(over);
                 drop(seat_in);
                 code
             })?;
@@ -155,8 +157,13 @@ pub fn beside(
                     };
                     report(args, in_a_window(show, settings), &over);
                 }
+                Err(error) if args.mouse => {
+                    tell!(
+                        "error: no window: {error}. The session ends, because the mouse needs one"
+                    )
+                }
                 Err(error) => {
-                    tell!("warning: no window: {error}; the exercise goes on without pictures")
+                    tell!("warning: no window: {error}. The exercise goes on without pictures")
                 }
             }
         }
@@ -166,6 +173,15 @@ pub fn beside(
             .join()
             .map_err(|_| anyhow!("the thread of the session panicked"))
     })
+}
+
+/// Flag that is set when this value is dropped.
+struct Flag(Arc<AtomicBool>);
+
+impl Drop for Flag {
+    fn drop(&mut self) {
+        self.0.store(true, Ordering::Release);
+    }
 }
 
 /// Programs of the system beside a window.

@@ -17,7 +17,7 @@ use sulcus_screen::views::View;
 
 use super::live::Live;
 
-/// Number of questions, and their seed: far more than a beginner needs for one right answer.
+/// Number of questions of a series, and the seed of the first series. A beginner needs one right answer.
 const QUESTIONS: usize = 50;
 const SEED: u64 = 1;
 
@@ -35,6 +35,8 @@ pub struct Pupil {
     finished: Option<Step>,
     wanted: Option<Wanted>,
     tick: u64,
+    /// Number of series of questions that have begun.
+    series: u64,
 }
 
 impl Pupil {
@@ -46,6 +48,7 @@ impl Pupil {
             finished: None,
             wanted: Some(view_of(Some(Step::Hold))),
             tick: 0,
+            series: 0,
         }
     }
 
@@ -54,13 +57,18 @@ impl Pupil {
     }
 
     fn begin(&mut self, scene: &DisplayScene) {
-        if self.begun.is_some() {
+        // After a series without a right answer the next one begins.
+        let has_more = |(_, questions): &(FirstLesson, Lesson)| questions.task().is_some();
+        if self.begun.as_ref().is_some_and(has_more) {
             return;
         }
         let probe = scene.tools.iter().find(|tool| !tool.bands.is_empty());
         let bands = probe.map(|probe| &*probe.bands).unwrap_or_default();
-        let questions = Lesson::new(bands, Rule::NearestHalfUp, SEED, QUESTIONS).ok();
-        self.begun = FirstLesson::new(scene).zip(questions);
+        let seed = SEED + self.series;
+        let questions = Lesson::new(bands, Rule::NearestHalfUp, seed, QUESTIONS).ok();
+        self.series += 1;
+        let begun = self.begun.take().map(|(first, _)| first);
+        self.begun = begun.or_else(|| FirstLesson::new(scene)).zip(questions);
     }
 
     fn see(&mut self, scene: &DisplayScene, moment: &Moment) {

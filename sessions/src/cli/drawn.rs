@@ -47,7 +47,7 @@ fn drawn(path: &Path, all: Vec<Instant>) -> anyhow::Result<Vec<Picture>> {
     for (k, one) in all.iter().enumerate() {
         let at_s = one.tick as f64 * tick_s;
         // A `String` takes any text.
-        let _ = writeln!(list, "{at_s:.4} {} {} {k}.png", one.view, one.tooth);
+        let _ = writeln!(list, "{at_s:.9} {} {} {k}.png", one.view, one.tooth);
     }
     let list_file = folder.0.join("list");
     std::fs::write(&list_file, list).context("the list of pictures cannot be written")?;
@@ -88,8 +88,13 @@ impl Folder {
         let number = MADE.fetch_add(1, Ordering::Relaxed);
         let name = format!("sulcus-pictures-{}-{number}", std::process::id());
         let path = std::env::temp_dir().join(name);
-        // Fails if another user has put a folder there.
-        std::fs::create_dir(&path).with_context(|| format!("{}: cannot make", path.shown()))?;
+        // Fails if another user has put a folder there. No other user sees a student's pictures.
+        let mut builder = std::fs::DirBuilder::new();
+        #[cfg(unix)]
+        std::os::unix::fs::DirBuilderExt::mode(&mut builder, 0o700);
+        builder
+            .create(&path)
+            .with_context(|| format!("{}: cannot make", path.shown()))?;
         Ok(Self(path))
     }
 }

@@ -61,7 +61,11 @@ pub(super) fn run(args: &PictureArgs) -> anyhow::Result<ExitCode> {
         .arg("picture")
         .arg("--recording")
         .arg(&args.recording);
-    let mut named: Vec<(&str, &String)> = vec![("--view", &args.view), ("--size", &args.size)];
+    let mut named: Vec<(&str, &String)> = vec![("--size", &args.size)];
+    // A list names the view of each picture.
+    if args.list.is_none() {
+        named.push(("--view", &args.view));
+    }
     named.extend(args.at.iter().map(|at| ("--at", at)));
     let others = [
         ("--from", &args.from),

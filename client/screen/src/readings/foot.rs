@@ -1,9 +1,13 @@
 //! Foot on a pedal: presses of a switch become keys of the readings.
 //!
 //! All times are arguments, milliseconds of any clock that never goes back. A window takes events between two pictures,
-//! so that a slow picture delays several of them to one time. Two rules follow. Press and release at one time are a
-//! short press; the electronics of a keyboard have removed the bounces. A group ends only in [`Foot::wait`], after all
-//! events that had come; a press after a slow picture never ends its own group.
+//! so that a slow picture delays several of them to one time. Three rules follow.
+//!
+//! - Press and release at one time are a short press; the electronics of a keyboard have removed the bounces.
+//! - A release came at some time after the last [`Foot::wait`] that saw the pedal down. The middle of this stretch is
+//!   taken: the error is at most half a picture.
+//! - A group ends only in [`Foot::wait`], after all events that had come. A press after a slow picture never ends its own
+//!   group.
 
 use std::str::FromStr;
 
@@ -40,6 +44,8 @@ impl FromStr for PedalUse {
 pub struct Foot {
     switch: Switch,
     pedal: Pedal,
+    /// Time of the press that lasts, and the last time at which it was known to last.
+    down: Option<[u64; 2]>,
 }
 
 impl Foot {
@@ -53,6 +59,7 @@ impl Foot {
         Self {
             switch,
             pedal: Pedal::new(rule),
+            down: None,
         }
     }
 
@@ -65,8 +72,16 @@ impl Foot {
     pub fn change(&mut self, switch: &Switch, is_down: bool, at_ms: u64) -> bool {
         let is_ours = *switch == self.switch;
         match is_down {
-            true if is_ours => self.pedal.press(at_ms),
-            false if is_ours => self.pedal.up(at_ms),
+            true if is_ours => {
+                self.down.get_or_insert([at_ms; 2]);
+                self.pedal.press(at_ms);
+            }
+            false if is_ours => {
+                if let Some([since, seen]) = self.down.take() {
+                    let released = u64::midpoint(seen, at_ms.max(seen));
+                    self.pedal.up_after(at_ms, released - since);
+                }
+            }
             _ => {}
         }
         is_ours
@@ -74,11 +89,15 @@ impl Foot {
 
     /// Keys of a group that has ended by `at_ms`.
     pub fn wait(&mut self, at_ms: u64) -> Vec<Key> {
+        if let Some([since, seen]) = &mut self.down {
+            *seen = at_ms.max(*since);
+        }
         self.pedal.wait(at_ms)
     }
 
     /// Forgets presses whose release would not come, as for a window that lost the focus.
     pub fn let_go(&mut self) {
+        self.down = None;
         self.pedal.let_go();
     }
 }
@@ -104,6 +123,9 @@ mod tests {
             assert!(foot.change(&pedal, true, now));
             // The system repeats a held key.
             foot.change(&pedal, true, now + 50);
+            for picture in (0..held).step_by(16) {
+                assert_eq!(foot.wait(now + picture), []);
+            }
             assert!(foot.change(&pedal, false, now + held));
             now += held + 100;
         }
@@ -134,8 +156,26 @@ mod tests {
         }
         assert_eq!(foot.wait(900), []);
         foot.change(&pedal, true, 950);
+        assert_eq!(foot.wait(1600), []);
         foot.change(&pedal, false, 1900);
         assert_eq!(foot.wait(2300), [Key::Count(3), Key::Next]);
+    }
+
+    #[test]
+    fn a_short_press_whose_release_waits_behind_a_picture_is_no_long_one() {
+        let pedal: Switch = "b".parse().expect("a key");
+        let mut foot = Foot::new(pedal.clone(), PedalUse::Alone);
+        foot.change(&pedal, true, 100);
+        assert_eq!(foot.wait(101), []);
+        // A picture of 880 ms; the pedal was up after 120 ms.
+        foot.change(&pedal, false, 981);
+        assert_eq!(foot.wait(2000), [Key::Count(1)]);
+        // Held through a picture and a half: long.
+        foot.change(&pedal, true, 3000);
+        assert_eq!(foot.wait(3001), []);
+        assert_eq!(foot.wait(3881), []);
+        foot.change(&pedal, false, 4761);
+        assert_eq!(foot.wait(5161), [Key::Next]);
     }
 
     #[test]

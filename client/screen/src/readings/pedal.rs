@@ -111,15 +111,17 @@ impl Pedal {
 
     /// Takes in a release at `at_ms`. The keys of the group come from [`Pedal::wait`].
     pub fn up(&mut self, at_ms: u64) {
-        let Some(since) = self.down_since.take() else {
-            return;
-        };
-        let held = at_ms.saturating_sub(since);
-        if held < self.rule.bounce_ms {
+        let held = self.down_since.map(|since| at_ms.saturating_sub(since));
+        self.up_after(at_ms, held.unwrap_or(0));
+    }
+
+    /// The same for a press of `held_ms`, however late press and release were noticed.
+    pub fn up_after(&mut self, at_ms: u64, held_ms: u64) {
+        if self.down_since.take().is_none() || held_ms < self.rule.bounce_ms {
             return;
         }
         self.last_up = at_ms;
-        let count = if held >= self.rule.long_ms {
+        let count = if held_ms >= self.rule.long_ms {
             &mut self.long
         } else {
             &mut self.short

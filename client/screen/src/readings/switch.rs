@@ -92,8 +92,7 @@ impl FromStr for Switch {
                 format!("`{text}` is no button of a gamepad, expected pad- and one of: {names}")
             });
         }
-        let function = small.strip_prefix('f').and_then(|n| n.parse::<u8>().ok());
-        let is_function = function.is_some_and(|n| (1..=24).contains(&n));
+        let is_function = (1..=24).any(|n| small == format!("f{n}"));
         let is_character = small.chars().count() == 1 && !small.contains(char::is_whitespace);
         if is_character || is_function || NAMED.contains(&&*small) {
             return Ok(Self::Key(small));
@@ -123,6 +122,8 @@ mod tests {
             " ",
             "f0",
             "f25",
+            "f05",
+            "f+5",
             "bb",
             "mouse-",
             "mouse-x",
