@@ -22,6 +22,10 @@ use sulcus_sessions::{Events, Exercise, Mode, Rubric};
 use crate::lesson;
 use sulcus_connection::progress::Steps;
 
+/// Force at which the simulated operator reads, as a share of the way through the taught range: near its lower end, because
+/// the tooth that a leaning shaft is pressed against adds to the force along the probe.
+const AIM: f64 = 0.05;
+
 /// Request for an exercise.
 #[derive(Clone, Copy, Debug)]
 pub struct Asked<'a> {
@@ -150,7 +154,7 @@ pub fn script(
     let task = &exercise.probing;
     let mut params = TourParams {
         duration,
-        force: task.force_n[0] + 0.3 * (task.force_n[1] - task.force_n[0]),
+        force: task.force_n[0] + AIM * (task.force_n[1] - task.force_n[0]),
         advance: task.step_mm * 1e-3,
         ..TourParams::default()
     };
