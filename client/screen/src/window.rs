@@ -195,6 +195,8 @@ impl ApplicationHandler for Application {
                 }
             }
             WindowEvent::RedrawRequested => {
+                // All events that came before are taken.
+                self.poll();
                 self.redraw(event_loop);
                 self.has_drawn = true;
             }
@@ -291,7 +293,7 @@ impl ApplicationHandler for Application {
             self.hands = None;
             self.grab();
         }
-        // Events that came during a picture are still to be taken. The next turn of the loop takes them before it polls.
+        // Events that came during a picture are still to be taken: the next turn of the loop does so before it polls.
         if !std::mem::take(&mut self.has_drawn) {
             self.poll();
         }

@@ -133,8 +133,9 @@ fn every_level_shows_the_mirror_and_blood_in_a_whole_mouth() {
             2 * own_blood > blood && own_blood < 3 * blood,
             "{quality:?}: {own_blood} of {blood}"
         );
+        // The best levels also draw the mirror's shadow, a quarter of their pixels.
         assert!(
-            10 * own_glass > 8 * glass,
+            10 * own_glass > 7 * glass,
             "{quality:?}: {own_glass} of {glass}"
         );
     }

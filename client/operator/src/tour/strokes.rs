@@ -25,7 +25,7 @@ const NEAR: f64 = 40.0;
 /// reading.
 const CORRECTION: f64 = 0.05;
 /// Ratio of the speed down to a reading to that of a bob. A fast tip would press the floor before the hand feels it.
-const READ_SPEED: f64 = 0.4;
+const READ_SPEED: f64 = 0.25;
 /// Relative tolerance of the force during a reading. Only time within the tolerance counts.
 const STEADY: f64 = 0.15;
 /// Push of a pocket's walls along the probe, per depth below [`DEEP`], N/m. The hand presses harder by this push.

@@ -36,7 +36,7 @@ mod weave;
 
 use sulcus_core::tissue::TissueModel;
 use sulcus_core::tissue::gingiva::{Gingiva, ToothFrame};
-use sulcus_core::{Scene, Vec3};
+use sulcus_core::{Object, Scene, Vec3};
 
 use super::standing;
 use crate::mesh::TriMesh;
@@ -136,6 +136,11 @@ struct Mouth<'a> {
 ///
 /// Sizes of the collar that a scene file sets are not in the compiled scene. The sheet has the default sizes.
 pub fn sheet(scene: &Scene) -> Option<Sheet> {
+    // A scene without a mouth needs no shapes of teeth, which take seconds.
+    let is_of_mouth = |object: &Object| object.name == format!("gingiva {}", object.fdi);
+    if !scene.objects.iter().any(is_of_mouth) {
+        return None;
+    }
     let all = standing();
     let gingiva = |fdi: u8, frame: &ToothFrame| -> Option<(usize, &Gingiva)> {
         scene
