@@ -22,8 +22,8 @@ use sulcus_sessions::{Events, Exercise, Mode, Rubric};
 use crate::lesson;
 use sulcus_connection::progress::Steps;
 
-/// Force at which the simulated operator reads, as a share of the way through the taught range: near its lower end, because
-/// the tooth that a leaning shaft is pressed against adds to the force along the probe.
+/// Force at which the simulated operator reads, as a share of the way through the taught range: near its lower end,
+/// because the tooth that a leaning shaft is pressed against adds to the force along the probe.
 const AIM: f64 = 0.1;
 
 /// Request for an exercise.

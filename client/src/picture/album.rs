@@ -34,7 +34,8 @@ pub struct Album<'a> {
 }
 
 impl<'a> Album<'a> {
-    /// Drawer for a scene with ticks of `tick_s` seconds. Pictures of tick 0 show the scene at rest, and are drawn here.
+    /// Drawer for a scene with ticks of `tick_s` seconds. Pictures of tick 0 show the scene at rest, and are drawn
+    /// here.
     ///
     /// # Errors
     /// An unknown name of a quality or of a glass, or a file that cannot be written.

@@ -26,7 +26,8 @@ use album::Album;
 pub(crate) use follower::Follower;
 use shots::Shots;
 
-/// Time behind the end of a recording, seconds, at which its last tick is still drawn: whole seconds are usually asked for.
+/// Time behind the end of a recording, seconds, at which its last tick is still drawn: whole seconds are usually asked
+/// for.
 const BEYOND_S: f64 = 1.0;
 /// Exercise of a picture without a scene.
 const USUAL: &str = "bimanual";

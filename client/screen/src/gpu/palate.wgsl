@@ -2,8 +2,8 @@
 // Upper jaw and cheeks of reflections: an open mouth's palate, gum and teeth, mm. They are decoration in bounced light:
 // no scene has them, and no tool touches them. Shapes and colours are chosen.
 
-// Teeth of a side, two of them the soft palate behind; columns of a tooth; rows from cheek to midline. The caller counts
-// the same corners.
+// Teeth of a side, two of them the soft palate behind; columns of a tooth; rows from cheek to midline. The caller
+// counts the same corners.
 const TEETH = 9u;
 const COLUMNS = 4u;
 const ROWS = 10u;

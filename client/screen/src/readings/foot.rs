@@ -6,8 +6,8 @@
 //! - Press and release at one time are a short press; the electronics of a keyboard have removed the bounces.
 //! - A release came at some time after the last [`Foot::wait`] that saw the pedal down. The middle of this stretch is
 //!   taken: the error is at most half a picture.
-//! - A group ends only in [`Foot::wait`], after all events that had come. A press after a slow picture never ends its own
-//!   group.
+//! - A group ends only in [`Foot::wait`], after all events that had come. A press after a slow picture never ends its
+//!   own group.
 
 use std::str::FromStr;
 

@@ -41,7 +41,8 @@ pub struct Stance {
 /// planes of reference of these papers differ by up to 5 degrees; the stances lie within 5 degrees of the means.
 ///
 /// The heights give a curve of Spee of 2 mm, deepest at the mesiobuccal cusp of 36 (Marshall 2008,
-/// doi:10.1016/j.ajodo.2006.10.037), with the marginal ridges of neighbours level. Turns and steps of height are chosen.
+/// doi:10.1016/j.ajodo.2006.10.037), with the marginal ridges of neighbours level. Turns and steps of height are
+/// chosen.
 pub const STANCES: [Stance; 7] = [
     stance(0.0, 25.5, 1.5, 2.05),
     stance(0.5, 23.0, -2.5, 1.8),

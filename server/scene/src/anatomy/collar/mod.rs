@@ -47,7 +47,8 @@ pub struct CollarSizes {
 pub struct Neighbour {
     /// Contact point.
     pub contact: Vec3,
-    /// Way across the axis for each mm of height, of the line through the contact point up the plane between both teeth.
+    /// Way across the axis for each mm of height, of the line through the contact point up the plane between both
+    /// teeth.
     pub slope: [f64; 2],
     /// Unit normal of the plane's sections across the axis, towards the neighbour.
     pub normal: [f64; 2],

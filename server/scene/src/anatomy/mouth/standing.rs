@@ -32,8 +32,8 @@ pub(crate) struct Standing {
     pub(super) sections: Sections,
 }
 
-/// Half the breadth of a gingiva that reaches down to the jaw, mm. The base of a leaning gingiva is as much lower as one
-/// of its sides rises.
+/// Half the breadth of a gingiva that reaches down to the jaw, mm. The base of a leaning gingiva is as much lower as
+/// one of its sides rises.
 const HALF: f64 = 6.5;
 
 impl Standing {

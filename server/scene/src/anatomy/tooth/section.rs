@@ -30,8 +30,8 @@ pub(super) struct Walls {
     /// Exponents of the buccolingual coordinate: root, crown buccally, crown lingually. With 2, proximal faces are as
     /// round as an ellipse.
     pub round: [f64; 3],
-    /// Taper of the crown: share by which its sections are narrower at the lingual outline. A first molar is 11 mm broad
-    /// buccally and 9.5 mm lingually, and its lingual embrasures are the wider ones.
+    /// Taper of the crown: share by which its sections are narrower at the lingual outline. A first molar is 11 mm
+    /// broad buccally and 9.5 mm lingually, and its lingual embrasures are the wider ones.
     pub taper: f64,
     /// Height of the round end of the root, mm.
     pub apex: f64,
