@@ -1,10 +1,9 @@
 //! Rehearsal: a class hour in a few minutes, with the programs as a school runs them.
 //!
 //! An IT person makes tokens from a roster and writes the file of the stations. Four students join. An instructor
-//! pauses a hand, writes a note and sends a message. A screen shows a station, and is drawn. A cable is pulled and
-//! put back. The
-//! server is killed and started again, and the students go on with their old tickets. The certificate is rotated. At
-//! the end all recordings replay identically, and each student has one grade, also from two recordings.
+//! pauses a hand, writes a note and sends a message. A screen shows a station, and is drawn. A cable is pulled and put
+//! back. The server is killed and started again, and the students go on with their old tickets. The certificate is
+//! rotated. At the end all recordings replay identically, and each student has one grade, also from two recordings.
 //!
 //! Later parts of the system add their own acts here.
 
