@@ -49,6 +49,14 @@ const THROAT: wgpu::Color = wgpu::Color {
     a: 1.0,
 };
 
+/// The same where the upper jaw is left out: its mean colour.
+const PALATE: wgpu::Color = wgpu::Color {
+    r: 0.150,
+    g: 0.055,
+    b: 0.042,
+    a: 1.0,
+};
+
 /// Reflection of one glass in one picture.
 struct Seen {
     pass: PassCamera,
@@ -338,7 +346,11 @@ impl Renderer {
         }
         self.plan(0, moment, &main.matrix(), None, true);
         self.work = self.lists.iter().fold(Work::default(), List::add);
-        let behind = if self.is_lit { THROAT } else { DARK };
+        let behind = match &self.pipelines.palate {
+            Some(_) => THROAT,
+            None if self.is_lit => PALATE,
+            None => DARK,
+        };
         let [dark, behind] = [DARK, behind].map(|c| self.coded(c));
         let descriptor = wgpu::CommandEncoderDescriptor::default();
         let mut encoder = self.graphics.device.create_command_encoder(&descriptor);

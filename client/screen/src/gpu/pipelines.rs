@@ -23,7 +23,7 @@ pub(super) struct Pipelines {
     pub meshes: [RenderPipeline; 2],
     /// The same for a reflection, which has one sample.
     pub reflected: [RenderPipeline; 2],
-    /// Upper jaw of a reflection; `None` for pictures without light.
+    /// Upper jaw of a reflection; `None` for pictures without light, and for levels that save time.
     pub palate: Option<RenderPipeline>,
     /// Glass: clean, and with fog or scratches.
     pub glass: [RenderPipeline; 2],
@@ -188,7 +188,8 @@ impl Pipelines {
         Self {
             meshes: fronts.map(|front| meshes(front, looks.samples)),
             reflected: fronts.map(|front| meshes(front, 1)),
-            palate: (!identity).then(|| palate::pipeline(device, layouts, &target)),
+            palate: (!identity && looks.per_pixel)
+                .then(|| palate::pipeline(device, layouts, &target)),
             glass: ["clean", "pixel"].map(|entry| {
                 Recipe {
                     label: "glass",
