@@ -34,7 +34,8 @@ pub struct Stance {
     pub height_mm: f64,
 }
 
-/// Stances of the teeth from the midline backwards, 31 to 37. Those of 41 to 47 are mirror images but for a slight disorder.
+/// Stances of the teeth from the midline backwards, 31 to 37. Those of 41 to 47 are mirror images, in front with slight
+/// disorder.
 ///
 /// Sources of tip and lean: Tong 2012 (near-normal occlusion, computed tomography) for 31, 35 and 37, Ashfaq 2023
 /// (doi:10.25301/JPDA.324) for 36, Li 2022 (doi:10.3390/jcm11226629) for 37, values between them for the others. The
