@@ -100,7 +100,9 @@ fn every_level_shows_the_mirror_and_blood_in_a_whole_mouth() {
         .iter()
         .position(is_gingiva)
         .expect("a gingiva");
-    let (drawing, rest, held) = view(&scene);
+    let (mut drawing, rest, held) = view(&scene);
+    // The shadow of the mirror, which the best levels alone have, is not the mirror.
+    drawing.lamp.shadows_mm = 0.01;
     let spot = Spot {
         object: object as u16,
         site: 1,
@@ -133,9 +135,8 @@ fn every_level_shows_the_mirror_and_blood_in_a_whole_mouth() {
             2 * own_blood > blood && own_blood < 3 * blood,
             "{quality:?}: {own_blood} of {blood}"
         );
-        // The best levels also draw the mirror's shadow, a quarter of their pixels.
         assert!(
-            10 * own_glass > 7 * glass,
+            10 * own_glass > 8 * glass,
             "{quality:?}: {own_glass} of {glass}"
         );
     }
