@@ -2,7 +2,7 @@
 
 use sulcus_core::tissue::TissueModel;
 use sulcus_core::tissue::gingiva::{Gingiva, Site};
-use sulcus_core::{NoProbe, Scene, State, TickInput, TickOutput, Workspace, tick};
+use sulcus_core::{NoProbe, Scene, State, TickInput, TickOutput, Vec3, Workspace, tick};
 use sulcus_operator::script::{Call, Script};
 use sulcus_operator::{HandParams, Operator, Shown};
 
@@ -37,6 +37,8 @@ pub struct Read {
     pub entries: u32,
     /// Angle between working end and tooth axis at the reading [`Read::reached`], radians; 0 without a reading.
     pub tilt: f64,
+    /// Unit vector up along the working end at the reading [`Read::reached`], world; the zero vector without a reading.
+    pub up: Vec3,
     /// Depth that the operator called last, millimetres; `None`: no call.
     pub called: Option<u8>,
 }
@@ -114,6 +116,7 @@ pub fn perform(
                 on_floor: 0.0,
                 entries: 0,
                 tilt: 0.0,
+                up: Vec3::zeros(),
                 called: None,
             })
         })
@@ -157,8 +160,8 @@ pub fn perform(
             toured.entries += u32::from(outside >= WITHDRAWN);
             if pocket.floor_force <= LIGHT && pocket.depth > read.reached {
                 read.reached = pocket.depth;
-                let up = tool.graphic.orientation * -scene.tools[slot].tip_axis;
-                read.tilt = up.dot(&model.tooth.axis).clamp(-1.0, 1.0).acos();
+                read.up = tool.graphic.orientation * -scene.tools[slot].tip_axis;
+                read.tilt = read.up.dot(&model.tooth.axis).clamp(-1.0, 1.0).acos();
             }
             if pocket.floor_force > 0.1 {
                 read.on_floor += 1e-3;

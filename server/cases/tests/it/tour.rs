@@ -107,8 +107,11 @@ fn a_good_operator_reaches_what_is_prescribed_and_bad_ones_show() {
     // Tilted, the tip catches under the margin: it never comes down into a deep pocket.
     let tilted = probed(&scene, Some(Habit::WrongAngle));
     for site in Site::ALL {
-        let read = tilted.of(TOOTH, site);
-        assert!(read.tilt > good.of(TOOTH, site).tilt + 0.25, "{read:?}");
+        let (read, right) = (tilted.of(TOOTH, site), good.of(TOOTH, site));
+        let apart = read.up.dot(&right.up).clamp(-1.0, 1.0).acos();
+        assert!(read.tilt > right.tilt, "{read:?}");
+        // A good hand leans too, but to another side under a contact.
+        assert!(apart > 0.3, "{apart}: {read:?}");
         if site.is_proximal() {
             assert!(read.reached <= read.prescribed - 0.5e-3, "{read:?}");
         }
