@@ -12,6 +12,11 @@ use crate::moment::Moment;
 
 /// Distance of the eye, mm.
 const EYE_MM: f64 = 420.0;
+/// Distance to the side of a tooth from a glass at which the eye is over the opposite side of the mouth, mm.
+///
+/// A mirror that holds the tongue aside leans to the teeth by some 27 degrees. Its glass shows their lingual side to an
+/// eye that is 40 degrees over the opposite side.
+const BESIDE_MM: f64 = 8.0;
 /// Tooth of a view without one.
 const USUAL: u8 = 36;
 
@@ -108,12 +113,14 @@ impl View {
                     Some((tool.orientation * mm + tool.position).cast::<f64>())
                 });
                 let target = centre.unwrap_or(middle);
-                at(
-                    target,
-                    Vector::new(0.62, -0.12 * hand.side(), 0.78),
-                    EYE_MM,
-                    42.0,
-                )
+                // Share of the way to an eye that sees a tooth beside the glass in it.
+                let beside = centre.map_or(0.0, |centre| {
+                    let (crown, _) = mouth.nearest(scene, &centre);
+                    ((crown.y - centre.y) / BESIDE_MM).clamp(-1.0, 1.0)
+                });
+                let front = Vector::new(0.62, -0.12 * hand.side(), 0.78);
+                let over = Vector::new(0.15, -0.62 * beside.signum(), 0.78);
+                at(target, front.lerp(&over, beside.abs()), EYE_MM, 42.0)
             }
             Self::CloseUp => {
                 let (tip, along) = tip(scene, moment).unwrap_or((middle, -Vector::z()));

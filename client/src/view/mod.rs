@@ -139,6 +139,7 @@ pub fn beside(
                 drop(seat_in);
                 code
             })?;
+        let mut is_refused = false;
         // A session that never begins drops its end.
         if let Ok(seated) = seated.recv() {
             let is_lesson = seated.facts.title == sulcus_demo::lesson::NAME;
@@ -155,25 +156,23 @@ pub fn beside(
                         true => Box::new(Staying::new(live, pages, over.clone(), ends)),
                         false => Box::new(live),
                     };
-                    report(args, in_a_window(show, settings), &over);
+                    let ended = in_a_window(show, settings);
+                    is_refused = report(args, ended.map_err(|error| error.to_string()), &over);
                 }
-                Err(error) if args.mouse => {
-                    tell!(
-                        "error: no window: {error}. The session ends, because the mouse needs one"
-                    )
-                }
-                Err(error) => {
-                    tell!("warning: no window: {error}. The exercise goes on without pictures")
-                }
+                Err(error) => is_refused = report(args, Err(error.to_string()), &over),
             }
         }
         // A person without a window holds no tool.
         closed.store(true, Ordering::Release);
-        thread
+        let code = thread
             .join()
-            .map_err(|_| anyhow!("the thread of the session panicked"))
+            .map_err(|_| anyhow!("the thread of the session panicked"))?;
+        Ok(if is_refused { code.max(NO_HAND) } else { code })
     })
 }
+
+/// Exit code of a session whose person lost the window, or had none.
+const NO_HAND: u8 = 1;
 
 /// Flag that is set when this value is dropped.
 struct Flag(Arc<AtomicBool>);
@@ -201,7 +200,8 @@ fn helper<T>(option: &str, asked: bool, begin: fn() -> Result<T, String>) -> Opt
 /// Keeps the session alive after a loss of the display's server, whose library would end the process.
 fn outlive(mouse: bool, outcome: Arc<Outcome>, closed: Arc<AtomicBool>, over: Arc<AtomicBool>) {
     window::on_loss(move || {
-        if over.load(Ordering::Acquire) {
+        let goes_on = !over.load(Ordering::Acquire);
+        if !goes_on {
         } else if mouse {
             tell!(
                 "error: the display was lost. The session ends, because the mouse needs a window"
@@ -212,6 +212,11 @@ fn outlive(mouse: bool, outcome: Arc<Outcome>, closed: Arc<AtomicBool>, over: Ar
         // A person without a window holds no tool.
         closed.store(true, Ordering::Release);
         let code = outcome.wait();
+        let code = if mouse && goes_on {
+            code.max(NO_HAND)
+        } else {
+            code
+        };
         std::process::exit(i32::from(output::settled(code)));
     });
 }
@@ -253,9 +258,13 @@ fn take(
     Box::new(watched)
 }
 
-/// Tells how the window ended.
-fn report(args: &ViewArgs, ended: Result<Report, ScreenError>, over: &AtomicBool) {
+/// Tells how the window ended. Returns whether a person was to hold the tools and had no window.
+fn report(args: &ViewArgs, ended: Result<Report, String>, over: &AtomicBool) -> bool {
     let goes_on = !over.load(Ordering::Acquire);
+    let has_failed = match &ended {
+        Err(_) => true,
+        Ok(report) => report.failed.is_some(),
+    };
     match ended {
         Err(error) if args.mouse => {
             tell!("error: no window: {error}. The session ends, because the mouse needs one")
@@ -263,9 +272,12 @@ fn report(args: &ViewArgs, ended: Result<Report, ScreenError>, over: &AtomicBool
         Err(error) => tell!("warning: no window: {error}. The exercise goes on without pictures"),
         Ok(report) => {
             if let Some(why) = &report.failed {
-                tell!(
-                    "warning: the window has ended: {why}. The exercise goes on without pictures"
-                );
+                let then = if args.mouse {
+                    "The session ends, because the mouse needs a window"
+                } else {
+                    "The exercise goes on without pictures"
+                };
+                tell!("warning: the window has ended: {why}. {then}");
             } else if goes_on && !args.mouse {
                 tell!("the window was closed; the exercise goes on");
             }
@@ -292,4 +304,5 @@ fn report(args: &ViewArgs, ended: Result<Report, ScreenError>, over: &AtomicBool
             }
         }
     }
+    args.mouse && goes_on && has_failed
 }

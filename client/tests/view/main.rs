@@ -231,3 +231,20 @@ fn without_a_display_the_exercise_goes_on_without_pictures() {
     assert!(told.contains("goes on without pictures"), "{told}");
     assert_eq!(json["identical"], Value::Bool(true), "{json}");
 }
+
+#[test]
+fn without_a_display_a_session_by_mouse_ends_with_an_error() {
+    let folder = tempfile::tempdir().expect("folder");
+    let output = demo(folder.path(), "probing", &["--mouse"])
+        .env_remove("DISPLAY")
+        .output()
+        .expect("ran");
+    let told = String::from_utf8_lossy(&output.stderr);
+    // 2 for a recording that ended before its first tick.
+    assert!(
+        matches!(output.status.code(), Some(1 | 2)),
+        "{:?} {told}",
+        output.status
+    );
+    assert!(told.contains("the mouse needs one"), "{told}");
+}

@@ -6,6 +6,7 @@ use sulcus_screen::gpu::Mode;
 use sulcus_screen::moment::{Moment, ToolAt};
 use sulcus_screen::quality::Quality;
 use sulcus_screen::stage::Owner;
+use sulcus_screen::views::View;
 
 use crate::caster::Caster;
 use crate::common::{Eye, Seeded, renderer};
@@ -154,4 +155,28 @@ fn a_glass_from_behind_reflects_nothing() {
     });
     let back = back.count();
     assert!(back > 400, "{back} pixels show the back of the mirror");
+}
+
+/// Over a tongue that it holds aside, a glass showed the palate to an eye in front of the mouth, and no tooth.
+#[test]
+fn the_eye_of_the_view_sees_the_teeth_beside_a_mirror_that_lies_on_the_tongue() {
+    let scene = mouth();
+    let mut moment = held(&scene);
+    for side in [1.0, -1.0] {
+        // The glass leans to the teeth by 27 degrees.
+        let tilt = 27f64.to_radians();
+        let normal = V::new(0.0, side * tilt.sin(), tilt.cos());
+        let centre = V::new(0.0, -14.0 * side, 6.0);
+        moment.tools[MIRROR] = mirror_at(centre, normal);
+        let camera = View::Mirror.camera(&scene, &moment, None, 1.5);
+        let to_eye = (camera.eye() - centre).normalize();
+        let seen = normal * (2.0 * normal.dot(&to_eye)) - to_eye;
+        assert!(seen.y * side > 0.9 && seen.z < 0.0, "{side}: {seen:?}");
+        assert!(to_eye.z > 0.6, "{side}: {to_eye:?}");
+    }
+    // In front of the teeth the eye is in the middle plane, but for the side of the operator.
+    moment.tools[MIRROR] = mirror_at(V::new(0.0, 0.0, 20.0), V::new(0.6, 0.0, 0.8));
+    let camera = View::Mirror.camera(&scene, &moment, None, 1.5);
+    let to_eye = (camera.eye() - camera.middle()).normalize();
+    assert!(to_eye.y.abs() < 0.3 && to_eye.x > 0.4, "{to_eye:?}");
 }

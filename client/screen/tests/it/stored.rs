@@ -63,7 +63,7 @@ fn instant(scene: &DisplayScene, view: View) -> Moment {
     let mut moment = held(scene);
     moment.spots = [0, 4].map(|site| (spot(site), 3.0)).into();
     if view == View::Mirror {
-        moment.tools[MIRROR] = mirror_at(V::new(0.0, -14.0, 6.0), V::new(0.62, 0.84, 0.45));
+        moment.tools[MIRROR] = mirror_at(V::new(0.0, -14.0, 6.0), V::new(0.2, 0.55, 0.8));
     }
     moment
 }

@@ -1,6 +1,7 @@
 //! Gamepad of the system, read without waiting. Only this file names `evdev`.
 
 use std::io::ErrorKind;
+use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 use evdev::{Device, KeyCode};
@@ -8,15 +9,21 @@ use evdev::{Device, KeyCode};
 use super::{Pad, PadAxis, PadEvent};
 use crate::hand::sticks::Sticks;
 
+/// Gamepad that is open, with its state.
+type Open = (Device, Pad);
+
 /// Time between two searches for a gamepad.
 const SEARCH: Duration = Duration::from_secs(3);
 
 /// First gamepad of the system, if there is one. A gamepad that is plugged in later is found within three seconds.
 pub struct Pads {
-    open: Option<(Device, Pad)>,
+    open: Option<Open>,
     /// Buttons that are down.
     down: Vec<super::PadButton>,
+    /// Time of the next search.
     search: Instant,
+    /// Search under way. It opens every input device, which may take longer than a frame.
+    searching: Option<JoinHandle<Option<Open>>>,
 }
 
 impl Default for Pads {
@@ -32,15 +39,28 @@ impl Pads {
             open: None,
             down: Vec::new(),
             search: Instant::now(),
+            searching: None,
+        }
+    }
+
+    /// Takes the gamepad of a finished search, and begins the next search in a thread of its own.
+    fn look(&mut self) {
+        if self.searching.as_ref().is_some_and(JoinHandle::is_finished) {
+            let found = self.searching.take().map(JoinHandle::join);
+            self.open = found.and_then(Result::ok).flatten();
+        }
+        if self.open.is_none() && self.searching.is_none() && Instant::now() >= self.search {
+            self.search = Instant::now() + SEARCH;
+            let thread = std::thread::Builder::new().name("sulcus-gamepad".into());
+            self.searching = thread.spawn(find).ok();
         }
     }
 
     /// Events since the previous call of this function. The call never waits. A gamepad that is gone releases its
     /// sticks and buttons.
     pub fn events(&mut self) -> Vec<PadEvent> {
-        if self.open.is_none() && Instant::now() >= self.search {
-            self.search = Instant::now() + SEARCH;
-            self.open = find();
+        if self.open.is_none() {
+            self.look();
         }
         let Some((device, pad)) = &mut self.open else {
             return Vec::new();
@@ -80,7 +100,7 @@ impl Pads {
 }
 
 /// First device with the lower button of a gamepad, ready to be read.
-fn find() -> Option<(Device, Pad)> {
+fn find() -> Option<Open> {
     let is_pad = |device: &Device| {
         let keys = device.supported_keys();
         keys.is_some_and(|keys| keys.contains(KeyCode::BTN_SOUTH))
