@@ -2,7 +2,7 @@
 //!
 //! The eye is 420 mm from the tooth (careoptical; range 340 to 500), the picture 15 to 18 degrees high. Directions follow
 //! the clock positions of a right-handed operator; the exact angles are chosen. A left-handed operator has mirrored
-//! directions. Today the view of the mirror alone leaves the middle plane.
+//! directions. Today this changes the view of the mirror alone, and only while no tooth lies beside the glass.
 
 use sulcus_proto::display::{DisplayObject, DisplayScene, Kind};
 
@@ -229,9 +229,10 @@ impl Mouth {
     /// The same for the tooth nearest to a place.
     fn nearest(&self, scene: &DisplayScene, place: &Vector) -> (Vector, Vector) {
         let teeth = scene.objects.iter().filter(|one| one.kind == Kind::Tooth);
-        let away = |tooth: &&DisplayObject| (crown(tooth) - place).norm();
-        let nearest = teeth.min_by(|a, b| away(a).total_cmp(&away(b)));
-        self.tooth(scene, nearest.map_or(USUAL, |tooth| tooth.fdi))
+        // Once for each tooth: a crown takes all vertices, and a window asks in every frame.
+        let away = teeth.map(|tooth| ((crown(tooth) - place).norm(), tooth.fdi));
+        let nearest = away.min_by(|a, b| a.0.total_cmp(&b.0));
+        self.tooth(scene, nearest.map_or(USUAL, |(_, fdi)| fdi))
     }
 }
 
