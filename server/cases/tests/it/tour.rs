@@ -109,7 +109,9 @@ fn a_good_operator_reaches_what_is_prescribed_and_bad_ones_show() {
     for site in Site::ALL {
         let (read, right) = (tilted.of(TOOTH, site), good.of(TOOTH, site));
         let apart = read.up.dot(&right.up).clamp(-1.0, 1.0).acos();
-        assert!(read.tilt > right.tilt, "{read:?}");
+        // At 36 buccal a good hand leans over the crown's bulge as it presses: the tilts are 0.247 rad apart.
+        let least = if site == Site::Buccal { 0.24 } else { 0.25 };
+        assert!(read.tilt > right.tilt + least, "{read:?}");
         // A good hand leans too, but to another side under a contact.
         assert!(apart > 0.3, "{apart}: {read:?}");
         if site.is_proximal() {
