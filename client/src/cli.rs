@@ -1,11 +1,17 @@
 //! The command line of `sulcus-client`.
 
+mod run;
+
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand};
-use sulcus_demo::args::{DemoArgs, seconds};
+use sulcus_demo::args::DemoArgs;
 use sulcus_demo::swarm::args::SwarmArgs;
-use sulcus_operator::Habit;
+
+use crate::devices::choose::Named;
+use crate::devices::settings::Hand;
+
+pub use run::RunArgs;
 
 /// Client of the Sulcus simulator for periodontal training with force feedback.
 ///
@@ -31,8 +37,11 @@ Examples:
   sulcus-client run --server 192.0.2.7:4433 --ticket TOKEN.FINGERPRINT --exercise bimanual
   sulcus-client run --server 192.0.2.7:4433 --ticket TOKEN.FINGERPRINT --exercise probing --readings
   sulcus-client swarm --stations 8 --duration 60 --replay
+  sulcus-client monitor --server 192.0.2.7:4433 --ticket TOKEN.FINGERPRINT
   sulcus-client bands --count 20
   sulcus-client lesson
+  sulcus-client devices
+  sulcus-client doctor --server 192.0.2.7:4433
   sulcus-client picture --exercise bimanual --at 20 --view buccal --out picture.png
   sulcus-client picture --recording session.mcap --from 12 --to 15 --fps 25 --out 'frames/%05d.png'
 
@@ -54,6 +63,9 @@ pub enum Command {
     /// Run simulated hands on many stations at once, and measure the load of the machine
     #[command(after_long_help = EXAMPLES)]
     Swarm(SwarmArgs),
+    /// Show all stations of a server to an instructor in a terminal, and take instructions: pause, limit, note, end
+    #[command(after_long_help = MONITOR_NOTES)]
+    Monitor(MonitorArgs),
     /// Draw instants of an exercise or of a recording, or a scene at rest, into PNG files, without a display. Needs a
     /// build with `--features view`
     #[command(after_long_help = EXAMPLES)]
@@ -62,10 +74,157 @@ pub enum Command {
     /// with `--features view`
     #[command(after_long_help = EXAMPLES)]
     Bands(BandsArgs),
+    /// List the haptic devices of this station and what each can do, or measure one
+    #[command(after_long_help = DEVICE_EXAMPLES)]
+    Devices(DevicesArgs),
+    /// Check this station: device libraries, permissions, ports, clock, real-time right, disk
+    #[command(after_long_help = DEVICE_EXAMPLES)]
+    Doctor(DoctorArgs),
     /// First lesson with mouse and keyboard, without an instructor: hold the probe, touch a tooth, read a band, walk
     /// along a margin. The session is recorded. Needs a build with `--features view`
     #[command(after_long_help = EXAMPLES)]
     Lesson(LessonArgs),
+}
+
+const MONITOR_NOTES: &str = "\
+Lines on standard input, S is the name of a station:
+  pause S            forces ramp to zero and stay zero
+  resume S           forces ramp up again
+  limit S NEWTONS    largest force; 0: the limit of the scene
+  note S TEXT        a note in the recording
+  flag S [TEXT]      a mark of this moment in the recording
+  say S TEXT         a message on the student's screen
+  end S              the session ends, and its recording is signed
+  quit
+Each instruction is answered with the first tick that obeys it. The recording holds the instruction with the id of the token.
+
+Examples:
+  sulcus-server token add --role instructor
+  sulcus-client monitor --server 192.0.2.7:4433 --ticket TOKEN.FINGERPRINT
+  sulcus-client monitor --server 192.0.2.7:4433 --ticket TOKEN.FINGERPRINT --once
+  printf 'pause room3-1\\nquit\\n' | sulcus-client monitor --server 192.0.2.7:4433 --ticket TOKEN.FINGERPRINT --json
+
+Exit codes: 0 Ctrl-C, quit, or the table of --once; 1 the server was lost; 2 wrong usage or bad input.";
+
+/// Arguments of `monitor`.
+#[derive(Clone, Debug, Args)]
+pub struct MonitorArgs {
+    /// Address of the server
+    #[arg(long, value_name = "HOST:PORT")]
+    pub server: String,
+    /// Ticket of an instructor, an examiner or an admin. Other users of the machine see this option, but not the
+    /// environment variable SULCUS_TICKET. Default: SULCUS_TICKET
+    #[arg(long, value_name = "T")]
+    pub ticket: Option<String>,
+    /// Print the table once, then exit
+    #[arg(long)]
+    pub once: bool,
+    /// Print one JSON object a line: `status` with `alerts`, `event`, `answer`, `error`
+    #[arg(long)]
+    pub json: bool,
+}
+
+const DEVICE_EXAMPLES: &str = "\
+Examples:
+  sulcus-client devices                            every back-end, its devices, and what is missing
+  sulcus-client devices --json
+  sulcus-client devices hands                      asks for a button of the left device, and stores both hands
+  sulcus-client devices measure haply:049D --out model.toml
+  sulcus-client devices handle haply:049D --name UNC-15 --out handle.toml
+  sulcus-client doctor
+  sulcus-client run --server 192.0.2.7:4433 --device haply:049D=right --device haply:04A1=left --exercise bimanual
+
+Environment: SULCUS_HAPLY is the address of the Haply service, SULCUS_HD_LIBRARY the library of OpenHaptics, and
+SULCUS_DHD_LIBRARY the library of Force Dimension, where they are in other places.";
+
+/// Arguments of `devices`.
+#[derive(Clone, Debug, Args)]
+pub struct DevicesArgs {
+    /// Command. Default: the list
+    #[command(subcommand)]
+    pub command: Option<DevicesCommand>,
+    /// Print one JSON object as the last line of standard output
+    #[arg(long)]
+    pub json: bool,
+}
+
+impl DevicesArgs {
+    /// Whether a command below `devices` prints JSON.
+    pub fn is_measuring_json(&self) -> bool {
+        matches!(&self.command, Some(DevicesCommand::Measure(args)) if args.json)
+    }
+}
+
+/// Commands of `devices`.
+#[derive(Clone, Debug, Subcommand)]
+pub enum DevicesCommand {
+    /// Measure friction, delay, rate, smallest step, mass, largest stable stiffness and force of a device, and write
+    /// its model file. The device pushes the hand with at most 1 N, and with up to 2 N on a scale
+    Measure(MeasureArgs),
+    /// Find the hands of two devices: asks for a button of the left one, and stores both
+    Hands,
+    /// Find the tip of the instrument that is fixed to a device: asks for four touches of one point
+    Handle(HandleArgs),
+}
+
+/// Arguments of `devices measure`.
+#[derive(Clone, Debug, Args)]
+pub struct MeasureArgs {
+    /// Device, as the list names it
+    #[arg(value_name = "DEVICE")]
+    pub device: Named,
+    /// File for the measured model
+    #[arg(long, value_name = "MODEL.toml")]
+    pub out: PathBuf,
+    /// Leave out the force on a scale
+    #[arg(long)]
+    pub no_scale: bool,
+    /// Use the model file in later sessions of this station
+    #[arg(long)]
+    pub store: bool,
+    /// Print one JSON object as the last line of standard output
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Arguments of `devices handle`.
+#[derive(Clone, Debug, Args)]
+pub struct HandleArgs {
+    /// Device, as the list names it
+    #[arg(value_name = "DEVICE")]
+    pub device: Named,
+    /// Name of the instrument
+    #[arg(long, value_name = "NAME", default_value = "probe")]
+    pub name: String,
+    /// Number of touches, 4 to 20
+    #[arg(long, value_name = "N", default_value_t = 4, value_parser = clap::value_parser!(u8).range(4..=20))]
+    pub touches: u8,
+    /// File for the handle
+    #[arg(long, value_name = "HANDLE.toml")]
+    pub out: PathBuf,
+    /// Use the handle file in later sessions of this station
+    #[arg(long)]
+    pub store: bool,
+}
+
+/// Arguments of `doctor`.
+#[derive(Clone, Debug, Args)]
+pub struct DoctorArgs {
+    /// Folder of recordings whose disk is checked
+    #[arg(long, value_name = "DIR", default_value = "recordings")]
+    pub recordings: PathBuf,
+    /// Address of a server whose name and port are checked. With the ticket of this station in SULCUS_TICKET, the path
+    /// to the server is measured for three seconds: round trip, losses, and the named network that it is like
+    #[arg(long, value_name = "HOST:PORT")]
+    pub server: Option<String>,
+    /// Print one JSON object as the last line of standard output
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Hand on the command line.
+fn hand(name: &str) -> Result<Hand, String> {
+    Hand::from_name(name).ok_or_else(|| format!("`{name}` is no hand, expected left or right"))
 }
 
 /// Arguments of `lesson`.
@@ -277,8 +436,9 @@ pub struct WithView<A: Args> {
 #[derive(Clone, Debug, Args)]
 pub struct ViewArgs {
     /// Show the session in a window. Needs a build with `--features view`. Keys: F1 to F6 choose the view, a drag
-    /// turns, the wheel magnifies, Home resets, F7 hides the panel, F10 closes, Escape pauses, w wipes blood away, F11
-    /// is full screen. Shift and an arrow turns or tilts the patient's head. Findings: digits, b, s, r, f, u, Return
+    /// turns, the wheel magnifies, Home resets, F7 hides the panel, F8 starts the force of a device without a button.
+    /// F10 closes, Escape pauses, w wipes blood away, F11 is full screen. Shift and an arrow turns or tilts the
+    /// patient's head. Findings: digits, b, s, r, f, u, Return
     #[arg(long)]
     pub view: bool,
     /// First view of the window: overview, front, buccal, lingual, mirror, close-up
@@ -332,62 +492,6 @@ pub struct ViewArgs {
     /// Print frame age and frame time of the window at the end
     #[arg(long, requires = "view")]
     pub stats: bool,
-}
-
-/// Arguments of `run`.
-#[derive(Clone, Debug, Args)]
-pub struct RunArgs {
-    /// Address of the server. All addresses of a name are tried in turn
-    #[arg(long, value_name = "HOST:PORT")]
-    pub server: String,
-    /// Ticket that the server prints: token and certificate in one line. The environment variable SULCUS_TICKET hides
-    /// the ticket from other users of the machine
-    #[arg(long, value_name = "LINE", conflicts_with_all = ["token", "certificate"])]
-    pub ticket: Option<String>,
-    /// Token of the server; needs --certificate
-    #[arg(long, value_name = "T", requires = "certificate")]
-    pub token: Option<String>,
-    /// Certificate of the server (DER), written by `sulcus-server serve --certificate-out`
-    #[arg(long, value_name = "FILE", requires = "token")]
-    pub certificate: Option<PathBuf>,
-    /// Haptic device. The only device is `simulated`
-    #[arg(long, value_name = "NAME", default_value = "simulated")]
-    pub device: String,
-    /// Exercise of the simulated operator: a name, or an exercise file that ends in .toml. A server with another
-    /// exercise refuses the client; a server with the exercise `free` accepts any
-    #[arg(long, value_name = "NAME", default_value = "crown")]
-    pub exercise: String,
-    /// Simulate a typical student error: heavy-hand, wrong-angle, skips-sites, impatient, lets-tongue-go,
-    /// spot-probes, misreads, stops-short
-    #[arg(long, value_name = "NAME")]
-    pub habit: Option<Habit>,
-    /// Scene file for the simulated operator; must be the server's scene. Default: the scene of the exercise
-    #[arg(long, value_name = "FILE")]
-    pub scene: Option<PathBuf>,
-    /// Seed of the generated patient; must be the server's seed
-    #[arg(long, value_name = "N")]
-    pub patient_seed: Option<u64>,
-    /// Ticks per second of the server, 250 to 8000. Default: the rate of the scene file, else 1000
-    #[arg(long, value_name = "HZ")]
-    pub rate_hz: Option<u16>,
-    /// Length of the session, seconds, 0.1 to 86400. Default: the length of the exercise
-    #[arg(long, value_name = "S", value_parser = seconds)]
-    pub duration: Option<f64>,
-    /// Read called findings from standard input, a line each: tooth, site and depth in mm, then optional recession in
-    /// mm (negative above the cemento-enamel junction), bleeding (b or nb) and furcation (f0 to f3). Example: `36 mb
-    /// 5 -2 b`. The simulated operator then calls nothing. The session ends when the operator has finished and the
-    /// input has ended, at the latest at the session's largest length
-    #[arg(long)]
-    pub readings: bool,
-    /// Random seed of the simulated operator: of its tremor and of its habit's errors
-    #[arg(long, value_name = "N", default_value_t = 1)]
-    pub seed: u64,
-    /// Opaque learner id for the recording, never a name: letters, digits, `-` and `_`, with at least one digit
-    #[arg(long, value_name = "ID", default_value = "", value_parser = sulcus_proto::learner::parse)]
-    pub learner: String,
-    /// Print one JSON object as the last line of standard output
-    #[arg(long)]
-    pub json: bool,
 }
 
 #[cfg(test)]

@@ -3,20 +3,31 @@
 use std::io::BufReader;
 use std::net::{SocketAddr, ToSocketAddrs};
 use std::path::Path;
+use std::sync::mpsc::{Sender, channel};
+use std::time::Duration;
 
 use anyhow::{Context, bail};
 use serde_json::json;
+use sulcus_connection::at_hand::HandTicker;
+use sulcus_connection::device::EventDevice;
 use sulcus_connection::link::{Link, LinkConfig, Pin};
 use sulcus_connection::perform::perform;
 use sulcus_connection::progress::Steps;
 use sulcus_demo::exercise;
-use sulcus_demo::seat::{self, Ending, Seat, taken};
+use sulcus_demo::place::tell_place;
+use sulcus_demo::seat::{Ending, Seat, taken};
 use sulcus_demo::simulated::Simulated;
 use sulcus_program::{PathText, say, tell};
-use sulcus_proto::control::EndReason;
+use sulcus_proto::control::{EndReason, ServerHello};
 
 use crate::cli::RunArgs;
+use crate::devices::guided::Guided;
+use crate::devices::hands::Hands;
+use crate::devices::recorded::{Playback, Recorded};
 use crate::typed::{WithReadings, listen};
+
+/// Longest wait for the answer to a code.
+const CODE: Duration = Duration::from_secs(60);
 
 /// Joins a server and performs one session. The exit code is 0, or 1 if the server was lost or its recording is not
 /// complete.
@@ -32,14 +43,10 @@ pub fn run(args: &RunArgs) -> anyhow::Result<u8> {
 /// # Errors
 /// The errors of [`run`].
 pub fn run_at(args: &RunArgs, seat: Seat<'_>) -> anyhow::Result<u8> {
-    if args.device != "simulated" {
-        bail!(
-            "--device is `{}`, expected `simulated`; real devices are not supported yet",
-            args.device
-        );
-    }
+    let hands = Hands::of(args, seat)?;
     let mut config = link_config(args)?;
-    config.device.name = seat::device(seat).to_owned();
+    let performer = hands.name(seat).to_owned();
+    let (opened, recorded) = hands.open(args.probe_hand)?;
     let steps = Steps;
     let asked = exercise::Asked {
         scene: args.scene.as_deref(),
@@ -55,11 +62,25 @@ pub fn run_at(args: &RunArgs, seat: Seat<'_>) -> anyhow::Result<u8> {
         tell!("warning: {warning}");
     }
     config.exercise.clone_from(&prepared.exercise.name);
+    config.tick = args.tick.into();
+    config.scene_hash = prepared.scene_hash();
+    config.devices = match &opened {
+        Some(opened) => opened.describe(prepared.scene.tick_s()),
+        None => LinkConfig::in_both_hands(&performer),
+    };
+    if let Some(opened) = &opened {
+        let zones = &prepared.exercise.zones;
+        let force_n = (!zones.is_empty()).then_some(prepared.exercise.probing.force_n[0]);
+        for remark in opened.hands().flat_map(|hand| hand.remarks(force_n)) {
+            tell!("note: {remark}");
+        }
+    }
     let link =
         Link::connect(config.clone()).with_context(|| format!("server `{}`", args.server))?;
+    tell_place(&link);
     let hello = link.hello();
     // A person needs no scene: the server's display is enough.
-    let is_simulated = seat::device(seat) == "simulated";
+    let is_simulated = opened.is_none() && recorded.is_none() && performer == "simulated";
     if is_simulated && hello.scene_hash != prepared.scene_hash() {
         bail!(
             "the server simulates scene `{}`, which differs from the simulated operator's scene `{}`; give the server's scene file with --scene, the seed of its patient with --patient-seed, and its rate with --rate-hz",
@@ -67,9 +88,17 @@ pub fn run_at(args: &RunArgs, seat: Seat<'_>) -> anyhow::Result<u8> {
             prepared.scene.name
         );
     }
-    let device = Simulated {
-        operator: prepared.operator,
-        until_done: prepared.until_done,
+    let device: Box<dyn EventDevice> = match (opened, recorded) {
+        (Some(opened), _) => Box::new(opened.begin(hello, Some(lines()?))?),
+        (None, Some(recorded)) => Box::new(Playback::new(recorded)),
+        (None, None) => Box::new(Simulated {
+            operator: prepared.operator,
+            until_done: prepared.until_done,
+        }),
+    };
+    let device = match &args.ghost {
+        Some(file) => ghost(file, args.guide, hello, device)?,
+        None => device,
     };
     let device = if args.readings {
         let lines = BufReader::new(std::io::stdin());
@@ -79,7 +108,8 @@ pub fn run_at(args: &RunArgs, seat: Seat<'_>) -> anyhow::Result<u8> {
         taken(seat, &config, &link, &prepared.exercise, device)
     };
     let mode = link.hello().plan.mode.clone();
-    let ran = perform(link, device, prepared.ticks, None, &steps)?;
+    let hand = HandTicker::on(&link, &prepared.scene)?;
+    let ran = perform(link, device, prepared.ticks, None, hand, &steps)?;
     if let Some(screen) = seat.filter(|_| ran.goodbye.is_ok()) {
         (screen.ended)(&Ending::Elsewhere(&mode));
     }
@@ -113,6 +143,12 @@ pub fn run_at(args: &RunArgs, seat: Seat<'_>) -> anyhow::Result<u8> {
             rtt.p99
         );
         say!(
+            "phase         {:.0} us before the server's tick, deviation {:.0} us, {} poses missed their tick",
+            r.phase.aim_us,
+            r.phase.deviation_us,
+            r.phase.missed
+        );
+        say!(
             "network       p50 {:.0}  p99 {:.0} us, both ways",
             network.p50,
             network.p99
@@ -139,20 +175,46 @@ pub fn run_at(args: &RunArgs, seat: Seat<'_>) -> anyhow::Result<u8> {
     }
 }
 
+/// Ghost of the recording `file` beside `device`, with a guide of at most `most_n` newtons.
+fn ghost(
+    file: &Path,
+    most_n: f64,
+    hello: &ServerHello,
+    device: Box<dyn EventDevice>,
+) -> anyhow::Result<Box<dyn EventDevice>> {
+    let recorded = Recorded::read(file)?;
+    if recorded.scene_hash != hello.scene_hash {
+        bail!(
+            "the ghost {} was recorded in another scene than the server's `{}`; record the exercise on this server",
+            file.shown(),
+            hello.scene
+        );
+    }
+    Ok(Box::new(Guided::new(device, &recorded, most_n)))
+}
+
+/// Takes lines for the person, and prints them from a thread of its own: the loop of the devices never waits.
+fn lines() -> anyhow::Result<Sender<String>> {
+    let (send, take) = channel();
+    let print = move || {
+        for line in take {
+            tell!("{line}");
+        }
+    };
+    std::thread::Builder::new()
+        .name("sulcus-lines".into())
+        .spawn(print)?;
+    Ok(send)
+}
+
 fn link_config(args: &RunArgs) -> anyhow::Result<LinkConfig> {
     let (server, others) = resolve(&args.server)?;
-    // Other users of the machine see arguments, but not the environment.
-    let from_environment = || {
-        std::env::var("SULCUS_TICKET")
-            .ok()
-            .filter(|ticket| !ticket.is_empty())
-    };
     let ticket = match (&args.ticket, &args.token) {
-        (None, None) => from_environment(),
-        (ticket, _) => ticket.clone(),
+        (None, Some(_)) => None,
+        (given, _) => ticket(given.as_deref()),
     };
     let mut config = match (&ticket, &args.token, &args.certificate) {
-        (Some(ticket), _, _) => LinkConfig::new(server, &ticket.parse()?, &args.device),
+        (Some(ticket), _, _) => LinkConfig::new(server, &ticket.parse()?, ""),
         (None, Some(token), Some(file)) => {
             let ticket = sulcus_proto::Ticket {
                 token: token.clone(),
@@ -161,7 +223,7 @@ fn link_config(args: &RunArgs) -> anyhow::Result<LinkConfig> {
             let pin = Pin::Certificate(read(file)?);
             LinkConfig {
                 pin,
-                ..LinkConfig::new(server, &ticket, &args.device)
+                ..LinkConfig::new(server, &ticket, "")
             }
         }
         _ => bail!(
@@ -169,12 +231,27 @@ fn link_config(args: &RunArgs) -> anyhow::Result<LinkConfig> {
         ),
     };
     config.learner.clone_from(&args.learner);
+    if let Some(claim) = &args.code {
+        config.learner.clone_from(claim);
+        // The server compiles the plan of the learner before its answer.
+        config.timeout = CODE;
+    }
     config.others = others;
     Ok(config)
 }
 
+/// Ticket of the option, else of the environment: other users of the machine see arguments, but not the environment.
+pub(crate) fn ticket(given: Option<&str>) -> Option<String> {
+    let from_environment = || {
+        std::env::var("SULCUS_TICKET")
+            .ok()
+            .filter(|ticket| !ticket.is_empty())
+    };
+    given.map(str::to_owned).or_else(from_environment)
+}
+
 /// First address of `HOST:PORT`, and the other addresses of the name.
-fn resolve(server: &str) -> anyhow::Result<(SocketAddr, Vec<SocketAddr>)> {
+pub(crate) fn resolve(server: &str) -> anyhow::Result<(SocketAddr, Vec<SocketAddr>)> {
     let mut found = server
         .to_socket_addrs()
         .with_context(|| format!("--server is `{server}`, expected HOST:PORT"))?;

@@ -1,6 +1,7 @@
 //! The program of a student's station: `sulcus-client`, with the commands `run` and `demo`.
 //!
-//! [`join`] joins a server with a haptic device and performs one session on a `sulcus-connection`. [`typed`] reads
+//! [`join`] joins a server with a haptic device and performs one session on a `sulcus-connection`. [`monitor`] shows an
+//! instructor all stations in a terminal. [`typed`] reads
 //! called findings from standard input. `sulcus-demo` has the simulated operator, its exercises and the command `demo`.
 
 #![cfg_attr(not(test), warn(clippy::print_stdout, clippy::print_stderr))]
@@ -8,7 +9,9 @@
 #[cfg(feature = "view")]
 pub mod bands;
 pub mod cli;
+pub mod devices;
 pub mod join;
+pub mod monitor;
 #[cfg(feature = "view")]
 pub mod picture;
 pub mod typed;
@@ -54,6 +57,11 @@ pub fn run() -> ExitCode {
         Some(cli::Command::Swarm(args)) => (sulcus_demo::swarm::run(&args), args.json),
         Some(cli::Command::Picture(args)) => (picture(&args), false),
         Some(cli::Command::Bands(args)) => (bands(&args), args.json),
+        Some(cli::Command::Monitor(args)) => (monitor::run(&args), args.json),
+        Some(cli::Command::Devices(args)) => {
+            (devices::run(&args), args.json || args.is_measuring_json())
+        }
+        Some(cli::Command::Doctor(args)) => (devices::doctor(&args), args.json),
         Some(cli::Command::Lesson(args)) => {
             let session = args.demo().map_err(anyhow::Error::from);
             (session.and_then(|session| demo(&session)), args.json)

@@ -5,13 +5,15 @@ use std::sync::Arc;
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
 
 use serde_json::{Value, json};
-use sulcus_connection::device::{DeviceEvent, EventDevice};
+use sulcus_connection::device::{DeviceEvent, EventDevice, Glance};
 use sulcus_core::tissue::gingiva::Site;
 use sulcus_core::{MAX_TOOLS, Scene, ToolInput};
 use sulcus_demo::calls::event;
-use sulcus_haptics::{Device, Shown};
+use sulcus_haptics::guide::Guide;
+use sulcus_haptics::{HandSource, Merger, Shown};
 use sulcus_program::tell;
-use sulcus_sessions::exercise::events::call::{Call, CallError};
+use sulcus_proto::control::Command;
+use sulcus_sessions::exercise::events::call::{Call, CallError, READING_CALLED};
 
 /// Form of a line, for messages.
 pub const FORM: &str =
@@ -196,7 +198,7 @@ impl<D> WithReadings<D> {
     }
 }
 
-impl<D: EventDevice> Device for WithReadings<D> {
+impl<D: EventDevice> HandSource for WithReadings<D> {
     fn name(&self) -> &str {
         self.device.name()
     }
@@ -211,8 +213,9 @@ impl<D: EventDevice> Device for WithReadings<D> {
 
 impl<D: EventDevice> EventDevice for WithReadings<D> {
     fn events(&mut self) -> Vec<DeviceEvent> {
-        drop(self.device.events());
-        let mut heard = Vec::new();
+        // The person calls the readings, in place of the simulated operator.
+        let mut heard = self.device.events();
+        heard.retain(|event| event.kind != READING_CALLED);
         loop {
             match self.calls.try_recv() {
                 Ok(call) => heard.push(event(&call)),
@@ -223,6 +226,26 @@ impl<D: EventDevice> EventDevice for WithReadings<D> {
                 }
             }
         }
+    }
+
+    fn commands(&mut self) -> Vec<Command> {
+        self.device.commands()
+    }
+
+    fn glance(&mut self, glance: &Glance) {
+        self.device.glance(glance);
+    }
+
+    fn hear(&mut self, text: &str) {
+        self.device.hear(text);
+    }
+
+    fn threaded(&mut self) -> Option<&mut Merger> {
+        self.device.threaded()
+    }
+
+    fn guide(&mut self) -> Option<&mut Guide> {
+        self.device.guide()
     }
 }
 
@@ -401,7 +424,7 @@ mod tests {
     /// A device that calls in every period and is done.
     struct Talks;
 
-    impl Device for Talks {
+    impl HandSource for Talks {
         fn name(&self) -> &str {
             "talks"
         }

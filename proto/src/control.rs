@@ -11,7 +11,9 @@
 use serde::{Deserialize, Serialize};
 
 use crate::datagram::WirePose;
+pub use crate::device::{DeviceCoupling, DeviceInfo};
 use crate::display::SceneHash;
+use crate::ghost::GhostPart;
 use crate::role::Role;
 use crate::station::{StationEvent, StationStatus};
 pub use crate::summary::EndReason;
@@ -32,14 +34,27 @@ pub enum ClientMessage {
     Event(Event),
     /// End of the session. The server answers with [`ServerMessage::Goodbye`].
     Stop,
-    /// Exact inputs of ticks that ran at the hand. A server whose plan ticks by itself refuses them.
+    /// Exact inputs of ticks that ran at the hand, on a stream of their own in one direction. A server that ticks by
+    /// itself refuses them.
     Inputs(InputBatch),
+    /// Last tick at the hand: the motion has ended. Batches up to this tick follow on their stream. The message goes on
+    /// the control stream and on the stream of inputs.
+    LastTick(LastTick),
     /// Subscription of a display to the shapes of its station.
     Show(Show),
     /// Subscription of an instructor to the status and the events of all permitted stations.
     Watch,
     /// Instruction to a station. The server answers with [`ServerMessage::Answer`].
     Instruct(Instruct),
+}
+
+/// Last tick at the hand. Its hash fixes all inputs of the motion before the rest of them arrives.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct LastTick {
+    /// Number of the tick.
+    pub tick: u64,
+    /// State hash after the tick.
+    pub hash: u64,
 }
 
 /// Message from the server to the client.
@@ -63,6 +78,8 @@ pub enum ServerMessage {
     Status(StationStatus),
     /// Event of a station.
     Event(StationEvent),
+    /// Part of the path of a ghost for the student's screen.
+    Ghost(GhostPart),
 }
 
 /// Identity of a client and its choice of exercise. The frame carries the protocol version.
@@ -76,9 +93,12 @@ pub struct ClientHello {
     pub role: Role,
     /// Station; empty for the station of the token.
     pub station: String,
-    /// Haptic device, for the recording; the default for a connection without a device.
-    pub device: DeviceInfo,
-    /// Opaque learner id, never a name ([`crate::learner`]); empty for an anonymous learner.
+    /// Haptic devices, in the order of the tool slots: at most [`crate::TOOLS`]; none for a connection without a
+    /// device. An empty slot before a used one has the default.
+    #[serde(with = "crate::at_most_two")]
+    pub devices: Vec<DeviceInfo>,
+    /// Opaque learner id, never a name ([`crate::learner`]), or a claim by code ([`crate::learner::claim`]); empty for
+    /// an anonymous learner.
     pub learner: String,
     /// Requested exercise; empty for the server's choice.
     pub exercise: String,
@@ -88,6 +108,10 @@ pub struct ClientHello {
     pub capabilities: u64,
     /// Hash of the tick self-test: equal hashes mean equal bits of equal ticks. 0: not computed.
     pub self_test: u64,
+    /// Whether the client wishes to run the ticks at the hand. It then has the compiled scene of the exercise.
+    pub tick_at_hand: bool,
+    /// BLAKE3 hash of the client's compiled scene; zeros without a scene.
+    pub scene_hash: [u8; 32],
 }
 
 /// Abilities of a program, one bit each. Unknown bits are ignored.
@@ -98,82 +122,16 @@ pub mod capability {
     pub const SHOWS_MESSAGES: u64 = 1 << 1;
 }
 
-/// Haptic device of a client, as fields of the recording.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct DeviceInfo {
-    /// Name of the device or of its kind.
-    pub name: String,
-    /// Period of the device's loop, nanoseconds; 0 if unknown.
-    pub period_ns: u64,
-    /// Length in the world per length at the device, above 0.
-    pub workspace_scale: f32,
-    /// Largest force that the device displays, newtons; 0 if unknown.
-    pub max_force_n: f32,
-    /// Largest torque that the device displays, newton-metres; 0 for a device without torque.
-    pub max_torque_nm: f32,
-    /// Number of translational axes with force, 0 to 3.
-    pub force_axes: u8,
-    /// Number of rotational axes with torque, 0 to 3.
-    pub torque_axes: u8,
-}
-
-impl Default for DeviceInfo {
-    fn default() -> Self {
-        Self {
-            name: String::new(),
-            period_ns: 0,
-            workspace_scale: 1.0,
-            max_force_n: 0.0,
-            max_torque_nm: 0.0,
-            force_axes: 0,
-            torque_axes: 0,
-        }
-    }
-}
-
-impl DeviceInfo {
-    /// Checks the numbers.
-    ///
-    /// # Errors
-    /// A number is out of its range: one phrase with name, value found and value expected.
-    pub fn validate(&self) -> Result<(), String> {
-        let number = |field: &str, found: f32, valid: bool, expected: &str| {
-            if valid {
-                Ok(())
-            } else {
-                Err(format!("{field} is {found}, expected {expected}"))
-            }
-        };
-        let (scale, force, torque) = (self.workspace_scale, self.max_force_n, self.max_torque_nm);
-        let limit = "0 or a positive finite number";
-        let is_limit = |x: f32| x.is_finite() && x >= 0.0;
-        let is_scale = scale.is_finite() && scale > 0.0;
-        number(
-            "workspace_scale",
-            scale,
-            is_scale,
-            "a positive finite number",
-        )?;
-        number("max_force_n", force, is_limit(force), limit)?;
-        number("max_torque_nm", torque, is_limit(torque), limit)?;
-        for (field, found) in [
-            ("force_axes", self.force_axes),
-            ("torque_axes", self.torque_axes),
-        ] {
-            if found > 3 {
-                return Err(format!("{field} is {found}, expected 0 to 3"));
-            }
-        }
-        Ok(())
-    }
-}
-
-/// Exact inputs of consecutive ticks, as recordings hold them.
+/// Exact inputs of consecutive ticks at the hand.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct InputBatch {
-    /// First tick of the batch.
+    /// First tick of the batch. A server skips a batch that it has taken before.
     pub first_tick: u64,
-    /// Inputs in the encoding of the recording's rows.
+    /// State hash of the hand after the last tick of the batch.
+    pub hash: u64,
+    /// Number of commands of the station's side that all ticks of the batch obeyed, wrapping at 2^32.
+    pub commands: u32,
+    /// Inputs, as [`crate::at_hand::Packer`] packs them.
     pub rows: Vec<u8>,
 }
 
@@ -214,6 +172,9 @@ pub enum Instruction {
     End,
     /// Plan for the next session, as TOML.
     Plan(String),
+    /// Ghost on the student's screen: file name of the recording whose hands are shown; empty for none. An exam has no
+    /// ghost.
+    Ghost(String),
 }
 
 /// Answer of the server to an instruction.
@@ -264,8 +225,10 @@ pub struct PlanInfo {
     pub resume_within_ms: u32,
     /// Whether the session's clock runs while the student is gone.
     pub clock_in_gap: bool,
-    /// Whether the tick runs at the hand. The present server always ticks by itself.
+    /// Whether the ticks run at the hand.
     pub tick_at_hand: bool,
+    /// Reason against the client's wish to run the ticks at the hand, one sentence; empty if there was none.
+    pub tick_remark: String,
 }
 
 /// Description of the session for a client.
@@ -316,10 +279,11 @@ pub struct ToolInfo {
     pub park: WirePose,
     /// Extreme point of the tip in the tool's frame, metres.
     pub tip: [f32; 3],
-    /// Coupling stiffness in translation, N/m. A device must be able to display this stiffness.
-    pub stiffness_n_per_m: f32,
-    /// Coupling stiffness in rotation, N m/rad.
-    pub stiffness_nm_per_rad: f32,
+    /// Coupling stiffness in force, in translation, N/m: the smaller of the scene's and the device's. The bits matter
+    /// to ticks at the hand.
+    pub stiffness_n_per_m: f64,
+    /// Coupling stiffness in force, in rotation, N m/rad: the smaller of the scene's and the device's.
+    pub stiffness_nm_per_rad: f64,
 }
 
 /// Reason of a refusal.
@@ -343,6 +307,8 @@ pub enum RefusedReason {
     BadHello,
     /// The server cannot run a session; [`Refused::text`] holds the cause.
     Server,
+    /// The device cannot display the coupling of the running session.
+    Device,
 }
 
 /// Refusal of a client.

@@ -7,6 +7,7 @@ use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
 use crate::codec::{self, CodecError};
+use crate::reception::Reception;
 use crate::{PROTOCOL_VERSION, TOOLS};
 
 /// Length of version and kind before the body, bytes.
@@ -74,13 +75,17 @@ pub struct PoseDatagram {
     pub sequence: u32,
     /// Slots of the tools, always two.
     pub tools: [ToolPose; TOOLS],
+    /// Quality of the way of the wrenches.
+    pub reception: Reception,
+    /// Newest tick at the hand; 0 if the server ticks.
+    pub tick: u64,
 }
 
 impl PoseDatagram {
     /// Kind byte.
     pub const KIND: u8 = 1;
     /// Fixed length on the wire, bytes.
-    pub const BYTES: usize = PREFIX + 8 + TOOLS * (3 + 16 + 28 + 24);
+    pub const BYTES: usize = PREFIX + 8 + TOOLS * (3 + 16 + 28 + 24) + 3 + 8;
 
     /// Encodes the datagram. Allocates nothing.
     ///
@@ -111,6 +116,9 @@ pub struct Echo {
     pub device_time_ns: u64,
     /// Time from the pose's arrival at the server to the sending of this wrench, microseconds.
     pub hold_us: u32,
+    /// Time from the pose's arrival at the server to the begin of the first tick that used it, microseconds. The client
+    /// shifts the times of its poses until this wait is short.
+    pub wait_us: u32,
 }
 
 /// Pause and force limit in force, in every wrench datagram.
@@ -122,6 +130,17 @@ pub struct WireLevels {
     pub paused_by_student: bool,
     /// Smaller force limit of both sides, newtons; 0 for the scene's limit.
     pub force_limit_n: f32,
+    /// Number of commands of the station's side so far, wrapping at 2^32. Ticks at the hand name it with their inputs.
+    pub commands: u32,
+}
+
+/// The smaller of two force limits, newtons; 0 stands for none.
+pub fn smaller_limit(a: f32, b: f32) -> f32 {
+    match (a, b) {
+        (0.0, only) | (only, 0.0) => only,
+        (a, b) if a < b => a,
+        (_, b) => b,
+    }
 }
 
 /// Slot of a tool in a wrench datagram.
@@ -150,13 +169,15 @@ pub struct WrenchDatagram {
     pub levels: WireLevels,
     /// Slots of the tools, always two.
     pub tools: [ToolWrench; TOOLS],
+    /// Quality of the way of the poses.
+    pub reception: Reception,
 }
 
 impl WrenchDatagram {
     /// Kind byte.
     pub const KIND: u8 = 2;
     /// Fixed length on the wire, bytes.
-    pub const BYTES: usize = PREFIX + 16 + 6 + TOOLS * (24 + 28 + 2 + 17);
+    pub const BYTES: usize = PREFIX + 16 + 10 + TOOLS * (24 + 28 + 2 + 21) + 3;
 
     /// Encodes the datagram. Allocates nothing.
     ///
@@ -200,8 +221,7 @@ impl WrenchDatagram {
                 return Err(CodecError::NotFinite("a graphic pose"));
             }
             let echo = &tool.echo;
-            let is_zero = echo.sequence == 0 && echo.device_time_ns == 0 && echo.hold_us == 0;
-            if !echo.valid && !is_zero {
+            if !echo.valid && *echo != Echo::default() {
                 return Err(CodecError::NotCanonical("an echo of no pose is not zero"));
             }
         }

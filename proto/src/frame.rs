@@ -7,7 +7,7 @@ use serde::de::DeserializeOwned;
 
 use crate::PROTOCOL_VERSION;
 use crate::codec::{self, CodecError};
-use crate::control::{ClientMessage, ServerMessage};
+use crate::control::{ClientMessage, Refused, ServerMessage};
 use crate::limits::CONTROL_BYTES;
 
 /// Size of the length field, bytes.
@@ -36,6 +36,17 @@ pub fn encode<T: Message>(message: &T) -> Result<Vec<u8>, CodecError> {
     }
     let length = u32::try_from(found).map_err(|_| too_long)?;
     bytes[..LENGTH_BYTES].copy_from_slice(&length.to_le_bytes());
+    Ok(bytes)
+}
+
+/// Encodes a refusal for a client of another release: the frame has the client's version. Kind and layout of a refusal
+/// are the same in all versions, so that every client can show the sentence.
+///
+/// # Errors
+/// The body is longer than [`CONTROL_BYTES`].
+pub fn refusal(version: u8, refused: &Refused) -> Result<Vec<u8>, CodecError> {
+    let mut bytes = encode(&ServerMessage::Refused(refused.clone()))?;
+    bytes[LENGTH_BYTES] = version;
     Ok(bytes)
 }
 

@@ -29,9 +29,44 @@ pub fn parse(id: &str) -> Result<String, String> {
     }
 }
 
+/// Beginning of a claim by code.
+const CODE: &str = "code-";
+
+/// Claim of a client whose learner has typed a code: it stands in the place of a learner id in the hello, and the
+/// server puts the id of the code's learner there. No recording has it.
+pub fn claim(code: &str) -> String {
+    let digits = code.chars().filter(|c| !c.is_whitespace() && *c != '-');
+    digits.fold(CODE.to_owned(), |mut claim, digit| {
+        claim.push(digit);
+        claim
+    })
+}
+
+/// Code of a claim; `None` for an id.
+pub fn code_of(id: &str) -> Option<&str> {
+    let code = id.strip_prefix(CODE)?;
+    (code.len() == 6 && code.bytes().all(|c| c.is_ascii_digit())).then_some(code)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_claim_is_told_from_an_id() {
+        assert_eq!(code_of(&claim("123 456")), Some("123456"));
+        assert!(is_opaque(&claim("123456")));
+        for id in [
+            "",
+            "s-17",
+            "code-12345",
+            "code-1234567",
+            "code-12345a",
+            "123456",
+        ] {
+            assert_eq!(code_of(id), None, "{id}");
+        }
+    }
 
     #[test]
     fn a_name_is_no_id() {

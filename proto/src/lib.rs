@@ -24,16 +24,23 @@
 //! # Ok::<(), sulcus_proto::CodecError>(())
 //! ```
 
+pub mod alert;
+pub mod at_hand;
+mod at_most_two;
 pub mod codec;
 pub mod control;
 pub mod datagram;
+pub mod device;
 pub mod display;
 pub mod frame;
+pub mod ghost;
 pub mod hex;
 pub mod learner;
 pub mod limits;
+pub mod live;
 pub mod newest;
 pub mod permission;
+pub mod reception;
 pub mod role;
 pub mod station;
 pub mod status;
@@ -52,7 +59,7 @@ pub use ticket::Ticket;
 pub const ALPN: &[u8] = b"sulcus/1";
 
 /// Version of every message: first byte of each datagram and of the body of each control frame.
-pub const PROTOCOL_VERSION: u8 = 4;
+pub const PROTOCOL_VERSION: u8 = 8;
 
 /// Number of tool slots in every datagram: one slot per hand.
 pub const TOOLS: usize = 2;

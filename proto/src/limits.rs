@@ -42,7 +42,8 @@ pub const WRENCH_SILENT: Duration = Duration::from_millis(20);
 
 /// Largest body of a control frame, bytes, without the length field.
 pub const CONTROL_BYTES: usize = 64 * 1024;
-/// Largest length of each string in a client's hello, bytes: program version, token, device, learner, exercise.
+/// Largest length of each string in a client's hello, bytes: program version, token, texts of a device, learner,
+/// exercise.
 pub const NAME_BYTES: usize = 256;
 /// Largest length of a text from an instructor, bytes: note, message, plan.
 pub const TEXT_BYTES: usize = 16 * 1024;

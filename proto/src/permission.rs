@@ -29,7 +29,7 @@ pub enum Kind {
     Watch,
     /// Pause of the station, its end, or the station's force limit.
     Levels,
-    /// Note, flag, or message for the student.
+    /// Note, flag, message or ghost for the student.
     Words,
     /// End of a session by an instructor.
     End,
@@ -97,12 +97,15 @@ pub fn kind(message: &ClientMessage) -> Option<Kind> {
         ClientMessage::Button(_) => Kind::Button,
         ClientMessage::Event(_) => Kind::Event,
         ClientMessage::Stop => Kind::Stop,
-        ClientMessage::Inputs(_) => Kind::Inputs,
+        ClientMessage::Inputs(_) | ClientMessage::LastTick(_) => Kind::Inputs,
         ClientMessage::Show(_) => Kind::Show,
         ClientMessage::Watch => Kind::Watch,
         ClientMessage::Instruct(instruct) => match instruct.instruction {
             Instruction::Pause | Instruction::Resume | Instruction::ForceLimit(_) => Kind::Levels,
-            Instruction::Note(_) | Instruction::Flag(_) | Instruction::Say(_) => Kind::Words,
+            Instruction::Note(_)
+            | Instruction::Flag(_)
+            | Instruction::Say(_)
+            | Instruction::Ghost(_) => Kind::Words,
             Instruction::End => Kind::End,
             Instruction::Plan(_) => Kind::Plan,
         },

@@ -38,12 +38,21 @@ pub struct ToolStatus {
     pub depth_mm: f32,
     /// Force on the pocket's floor, newtons; 0 outside of pockets.
     pub floor_force_n: f32,
+    /// Depth of the site by the scene, millimetres; 0 outside of pockets. A student never gets this value.
+    pub true_depth_mm: f32,
     /// Zone of the floor's force: 0 light, 1 too heavy, 2 trauma, 3 damage.
     pub zone: u8,
+    /// Heaviest zone since the previous status.
+    pub peak_zone: u8,
     /// Age of the newest pose, milliseconds; at most 65,535.
     pub pose_age_ms: u16,
     /// Status bits of [`crate::status`].
     pub status: u16,
+    /// Stage of a haptic device, as recordings name it, such as `waiting`, `live` or `tripped_driver`; empty without
+    /// such a device.
+    pub device_stage: String,
+    /// Number of the device's periods in which its continuous force, a model of the warm motors, limited the force.
+    pub device_limited: u64,
 }
 
 /// Status of a station.
@@ -79,6 +88,8 @@ pub struct StationStatus {
     pub set_by: String,
     /// Time without the student in the present gap, milliseconds; 0 while the student is attached.
     pub gap_ms: u32,
+    /// Time by which the recorded ticks are behind those at the hand, milliseconds; `None` if the server ticks.
+    pub behind_ms: Option<u32>,
     /// Number of gaps so far.
     pub gaps: u32,
     /// Missed deadlines: late and skipped ticks.
@@ -91,7 +102,7 @@ pub struct StationStatus {
     pub frames_dropped: u64,
     /// CPU time of a tick, 99th percentile of the last second, microseconds.
     pub tick_p99_us: f32,
-    /// Free space on the disk of recordings, mebibytes.
+    /// Free space for recordings, mebibytes: of the disk, or of the quota of their folder where that is less.
     pub disk_free_mib: u64,
     /// Pose datagrams that the network lost.
     pub poses_lost: u64,

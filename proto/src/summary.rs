@@ -37,6 +37,9 @@ pub enum EndReason {
     Simulation,
     /// An instructor ended the session.
     Instructor,
+    /// The ticks at the hand and those of the server differ, or the ticks at the hand broke a rule. The recording
+    /// cannot be graded.
+    Diverged,
 }
 
 /// Statistics of a session. If the simulation never started, all numbers are zero.

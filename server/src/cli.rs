@@ -8,7 +8,9 @@ use clap::{Parser, Subcommand};
 use sulcus_program::{output, tell};
 use tracing_subscriber::EnvFilter;
 
-use crate::commands::{certificate, plan, token};
+#[cfg(feature = "console")]
+use crate::commands::person;
+use crate::commands::{backup, case, certificate, class, init, plan, rollover, token};
 use crate::serve;
 
 /// Server of the Sulcus simulator: simulates a mouth, serves one client at a time, records and signs every session.
@@ -25,10 +27,18 @@ struct Cli {
 
 #[derive(Subcommand)]
 enum Command {
+    Init(init::InitArgs),
     Serve(Box<serve::ServeArgs>),
     Token(token::TokenArgs),
     Certificate(certificate::CertificateArgs),
     Plan(plan::PlanArgs),
+    Case(case::CaseArgs),
+    Class(class::ClassArgs),
+    Backup(backup::BackupArgs),
+    Restore(backup::RestoreArgs),
+    Rollover(rollover::RolloverArgs),
+    #[cfg(feature = "console")]
+    Person(person::PersonArgs),
     #[cfg(feature = "lab")]
     #[command(flatten)]
     Lab(sulcus_lab::commands::LabCommand),
@@ -54,10 +64,18 @@ where
         .with_ansi(std::io::stderr().is_terminal())
         .try_init();
     let outcome = match cli.command {
+        Command::Init(args) => init::run(&args),
         Command::Serve(args) => serve::run(&args),
         Command::Token(args) => token::run(&args),
         Command::Certificate(args) => certificate::run(&args),
         Command::Plan(args) => plan::run(&args),
+        Command::Case(args) => case::run(&args),
+        Command::Class(args) => class::run(&args),
+        Command::Backup(args) => backup::backup(&args),
+        Command::Restore(args) => backup::restore(&args),
+        Command::Rollover(args) => rollover::run(&args),
+        #[cfg(feature = "console")]
+        Command::Person(args) => person::run(&args),
         #[cfg(feature = "lab")]
         Command::Lab(command) => sulcus_lab::commands::run(&command),
     };

@@ -16,15 +16,19 @@
 #![cfg_attr(not(test), warn(clippy::print_stdout, clippy::print_stderr))]
 
 pub mod capacity;
+pub mod cases;
 pub mod check;
 pub mod cli;
 mod commands;
+#[cfg(feature = "console")]
+mod console;
 pub mod control_socket;
 pub mod error;
 mod exact;
 pub mod net;
 mod outlets;
 pub mod plan;
+mod recordings;
 pub mod serve;
 pub mod session;
 pub mod state;
@@ -34,6 +38,7 @@ pub use error::ServerError;
 pub use net::feed::{FeedReport, serve_feed};
 pub use net::identity::fingerprint;
 pub use outlets::feed::{EncodedFrame, Feed, FeedPublisher, Latest, SessionFeed};
+pub use outlets::hands::TrueDepth;
 pub use session::detail::{Budget, Detail};
 pub use session::handoff::Provoked;
 pub use station::config::{Exercise, ServerConfig, SessionPlan, StationConfig};

@@ -45,6 +45,7 @@ pub use record::mode::Mode;
 pub use record::occurrence::Occurrence;
 pub use record::person::PersonFacts;
 pub use record::plan::{PlanChange, PlanFacts};
+pub use record::policy::ViewersPolicy;
 pub use record::predecessor::Predecessor;
 pub use record::program::Program;
 pub use record::read::{Ending, Facts, ReadError, Recording};
@@ -60,6 +61,7 @@ pub use record::writer::{RecordedTick, SessionWriter};
 pub use record::written::WrittenError;
 pub use replay::audit::{AuditReport, AuditRow, audit_tick};
 pub use replay::compare::{Apart, CompareError, ComparisonReport, Side, compare};
+pub use replay::viewers::{ViewersError, compare_viewers, with_viewers};
 pub use replay::whatif::{TissueChoice, WhatIf, WhatIfError};
 pub use replay::{
     Deviation, Difference, Divergence, Part, ReplayError, ReplayOptions, ReplayReport, Span,

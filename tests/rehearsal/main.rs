@@ -1,11 +1,17 @@
 //! Rehearsal: a class hour in a few minutes, with the programs as a school runs them.
 //!
-//! An IT person makes tokens from a roster and writes the file of the stations. Four students join. An instructor
-//! pauses a hand, writes a note and sends a message. A screen shows a station, and is drawn. A cable is pulled and put
-//! back. The server is killed and started again, and the students go on with their old tickets. The certificate is
-//! rotated. At the end all recordings replay identically, and each student has one grade, also from two recordings.
+//! The server runs from its image where the machine can build one. An IT person makes tokens from a roster, and writes
+//! the file of the stations. Four students join. An instructor pauses a hand, writes a note and sends a message; a page
+//! of the console follows all stations. A screen shows a station, and is drawn. A cable is pulled and put back. The
+//! server is killed and started again, and the students go on with their old tickets. A fifth student feels the crown
+//! with a haptic device, whose force ends with the server. A sixth student is at home, and the ticks run at the hand. The
+//! certificate is rotated. At the end all recordings replay identically, and each student has one grade, also from two
+//! recordings.
 //!
 //! Later parts of the system add their own acts here.
+
+mod arm;
+mod home;
 
 use std::net::UdpSocket;
 use std::path::PathBuf;
@@ -21,22 +27,35 @@ use sulcus_proto::display::{DisplayFrame, Kind};
 use sulcus_proto::hex::from_hex32;
 use sulcus_proto::station::{Phase, StationStatus};
 use sulcus_proto::{Role, Ticket};
+use sulcus_relay::Relay;
 use sulcus_screen::gpu::{Backend, Drawing, Graphics, Mode, Renderer};
 use sulcus_screen::moment::Moment;
 use sulcus_screen::quality::Quality;
 use sulcus_screen::stage::{Owner, Stage};
 use sulcus_screen::views::View;
 use sulcus_support::Resource;
-use sulcus_support::relay::Relay;
-use sulcus_tests::{Ended, Place, Program, files_with};
+use sulcus_tests::page::{self, Page};
+use sulcus_tests::{Ended, Image, Place, Program, files_with};
+
+use arm::Arm;
 
 /// Stations of the class with their exercises, and the length of each student's session, seconds.
-const STATIONS: [(&str, &str, &str); 4] = [
+const STATIONS: [(&str, &str, &str); 5] = [
     ("chair-1", "crown", "60"),
     ("chair-2", "crown", "60"),
     ("chair-3", "probing", "60"),
     ("chair-4", "crown", "60"),
+    ("chair-5", "crown", "45"),
 ];
+
+/// Station of the student with a haptic device, who comes after the others.
+const WITH_ARM: usize = 4;
+/// Station whose ticks run at the hand. They begin again when the server is started again.
+const AT_HAND: usize = 3;
+/// Station, learner, exercise and length in seconds of the student at home.
+const HOME: (&str, &str, &str, &str) = ("home", "s-6", "crown", "20");
+/// Force at the arm that shows a contact, newtons.
+const TOUCHED_N: f64 = 0.1;
 
 /// Learner of a station.
 fn learner(k: usize) -> String {
@@ -53,7 +72,8 @@ struct Class {
 impl Class {
     /// Makes tokens from a roster, and the file of the stations.
     fn new() -> Self {
-        let place = Place::new();
+        let image = Resource::Image.or_skip(Image::new());
+        let place = image.map_or_else(Place::new, Place::with_image);
         let mut roster = String::from("Learner;Station\n");
         let mut stations =
             String::from("[class]\nname = \"rehearsal\"\n\n[defaults]\nresume_within_s = 60\n");
@@ -63,6 +83,10 @@ impl Class {
                 "\n[[station]]\nname = \"{name}\"\nplan = {{ exercise = \"{exercise}\" }}\n"
             );
         }
+        let (home, at_home, exercise, _) = HOME;
+        roster += &format!("{at_home};{home}\n");
+        stations +=
+            &format!("\n[[station]]\nname = \"{home}\"\nplan = {{ exercise = \"{exercise}\" }}\n");
         std::fs::write(place.path("roster.csv"), roster).expect("a roster");
         std::fs::write(place.path("stations.toml"), stations).expect("stations");
         let add = [
@@ -75,9 +99,11 @@ impl Class {
         ];
         place.run(Program::Server, &add).ok();
         let table = std::fs::read_to_string(place.path("tickets.csv")).expect("tickets");
-        let tickets = (0..STATIONS.len())
-            .map(|k| {
-                let line = table.lines().find(|line| line.contains(&learner(k)));
+        let learners = (0..STATIONS.len()).map(learner);
+        let tickets = learners
+            .chain([at_home.to_owned()])
+            .map(|id| {
+                let line = table.lines().find(|line| line.contains(&id));
                 let cells = line.expect("a line for each learner").rsplit(',');
                 cells
                     .into_iter()
@@ -105,6 +131,8 @@ impl Class {
             "server.der",
             // A measured cost refuses stations on a busy machine. The rules of admission have tests of their own.
             "--no-admission",
+            "--console",
+            "127.0.0.1:0",
         ];
         self.place.serve_at(&self.address, &serve)
     }
@@ -127,8 +155,7 @@ impl Class {
         if !self.place.path("instructor.txt").exists() {
             self.place.run(Program::Server, &add).ok();
         }
-        let text = std::fs::read_to_string(self.place.path("instructor.txt")).expect("a ticket");
-        let ticket: Ticket = text.trim().parse().expect("a ticket");
+        let ticket = self.instructors_ticket();
         let server = self.address.parse().expect("an address");
         LinkConfig {
             role: Role::Instructor,
@@ -136,18 +163,41 @@ impl Class {
         }
     }
 
-    /// Starts the client of a station, over `address`.
-    fn student(&self, k: usize, address: &str) -> Child {
+    /// Ticket of the instructor, after the first [`Class::instructors_link`].
+    fn instructors_ticket(&self) -> Ticket {
+        let text = std::fs::read_to_string(self.place.path("instructor.txt")).expect("a ticket");
+        text.trim().parse().expect("a ticket")
+    }
+
+    /// Starts the client of a station, over `address`, with a device where there is an `arm`.
+    fn student(&self, k: usize, address: &str, arm: Option<&Arm>) -> Child {
         let (_, exercise, seconds) = STATIONS[k];
-        self.place
-            .command(Program::Client.path())
+        // On a busy machine the choice of a client would be a matter of chance.
+        let ticks = if k == AT_HAND { "hand" } else { "server" };
+        let mut command = self.place.command(Program::Client.path());
+        command
             .env("SULCUS_TICKET", &self.tickets[k])
+            .args(["run", "--server", address, "--exercise", exercise])
+            .args(["--duration", seconds, "--tick", ticks, "--json"])
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped());
+        if let Some(arm) = arm {
+            arm.give(&mut command);
+        }
+        command.spawn().expect("the client starts")
+    }
+
+    /// Starts the client of the student at home, over `address`. The place of the ticks is its own choice.
+    fn at_home(&self, address: &str) -> Child {
+        let (_, _, exercise, seconds) = HOME;
+        let mut command = self.place.command(Program::Client.path());
+        command
+            .env("SULCUS_TICKET", &self.tickets[STATIONS.len()])
             .args(["run", "--server", address, "--exercise", exercise])
             .args(["--duration", seconds, "--json"])
             .stdout(Stdio::piped())
-            .stderr(Stdio::piped())
-            .spawn()
-            .expect("the client starts")
+            .stderr(Stdio::piped());
+        command.spawn().expect("the client starts")
     }
 
     /// Screen of a station, over `address`.
@@ -251,21 +301,26 @@ fn a_class_hour() {
     let mut server = class.serve();
     let mut instructor = class.instructor();
     let names: Vec<&str> = STATIONS.iter().map(|station| station.0).collect();
-    assert_eq!(instructor.welcome().stations, names);
+    let welcome = [names.as_slice(), &[HOME.0]].concat();
+    assert_eq!(instructor.welcome().stations, welcome);
+    let token = class.instructors_ticket().token;
+    let page = Resource::Curl
+        .or_skip(page::can())
+        .map(|()| Page::follow(&class.place, &server, &token, "events.txt"));
 
     act("four students join, the third with a screen, over a cable that will be pulled");
-    let relay = Relay::to(class.address.parse().expect("an address"));
-    let cable = relay.address.to_string();
+    let seats = &names[..WITH_ARM];
+    let relay = Relay::to(class.address.parse().expect("an address")).expect("a relay");
+    let cable = relay.address().to_string();
     let addresses = [&class.address, &class.address, &cable, &class.address];
-    // The screen has the student's ticket. A relay carries one connection.
-    let relay_of_screen = Relay::to(class.address.parse().expect("an address"));
-    let mut screen = class.screen(2, &relay_of_screen.address.to_string());
+    // The screen has the student's ticket and the student's cable.
+    let mut screen = class.screen(2, &cable);
     let students: Vec<Child> = addresses
         .iter()
         .enumerate()
-        .map(|(k, address)| class.student(k, address))
+        .map(|(k, address)| class.student(k, address, None))
         .collect();
-    for name in names.iter() {
+    for name in seats {
         until(&mut instructor, name, "a running session", |at| {
             at.phase == Phase::Running && at.tick > 2000
         });
@@ -298,15 +353,34 @@ fn a_class_hour() {
         .expect("an answer");
     assert!(resumed.taken && resumed.tick > paused.tick, "{resumed:?}");
 
+    if let Some(page) = page {
+        act("the page has shown each station, and the pause");
+        let events = page.close(&class.place);
+        for name in seats {
+            let running = |(kind, data): &(String, Value)| {
+                kind == "status"
+                    && data["station"] == **name
+                    && data["status"]["phase"] == "running"
+            };
+            assert!(
+                events.iter().any(running),
+                "{name}: {} events",
+                events.len()
+            );
+        }
+        let paused = |(kind, data): &(String, Value)| {
+            kind == "status" && data["station"] == "chair-2" && data["status"]["paused"] == true
+        };
+        assert!(events.iter().any(paused), "{} events", events.len());
+    }
+
     act("the cable of the third student is pulled, and put back");
     let scene = shown(&mut screen, |frame| frame.tick > 1000);
     relay.cut(true);
-    relay_of_screen.cut(true);
     until(&mut instructor, "chair-3", "a gap", |at| {
         at.phase == Phase::Waiting
     });
     relay.cut(false);
-    relay_of_screen.cut(false);
     until(&mut instructor, "chair-3", "a return", |at| {
         at.phase == Phase::Running && at.gaps == 1
     });
@@ -320,11 +394,11 @@ fn a_class_hour() {
     act("the server is killed, and started again with the same tickets");
     server.process.kill().expect("SIGKILL");
     server.process.wait().expect("it is gone");
-    assert_eq!(class.recordings().len(), STATIONS.len());
+    assert_eq!(class.recordings().len(), seats.len());
     drop(instructor);
     let mut server = class.serve();
     let mut instructor = class.instructor();
-    for name in names.iter() {
+    for name in seats {
         until(&mut instructor, name, "a session after the restart", |at| {
             at.phase == Phase::Running && at.tick > 1000
         });
@@ -349,6 +423,69 @@ fn a_class_hour() {
             k == 1,
             "{ended:#?}"
         );
+    }
+
+    act("a fifth student presses the button of a haptic device and feels the crown");
+    let arm = Arm::new();
+    let student = class.student(WITH_ARM, &class.address, Some(&arm));
+    let seat = names[WITH_ARM];
+    until(&mut instructor, seat, "a running session", |at| {
+        at.phase == Phase::Running && at.tick > 1000
+    });
+    arm.press(true);
+    assert_eq!(arm.displayed(), 0.0, "no force before the button");
+    arm.feel(TOUCHED_N);
+    until(&mut instructor, seat, "the device's whole force", |at| {
+        at.tools.iter().any(|tool| tool.device_stage == "live")
+    });
+
+    act("the server is killed in the contact, and the force ends");
+    server.process.kill().expect("SIGKILL");
+    server.process.wait().expect("it is gone");
+    let killed_ns = sulcus_standin_haply::now_ns();
+    std::thread::sleep(Duration::from_secs(1));
+    assert_eq!(arm.displayed(), 0.0, "no force without a server");
+    let again_ns = sulcus_standin_haply::now_ns();
+    drop(instructor);
+    let mut server = class.serve();
+    let mut instructor = class.instructor();
+    until(&mut instructor, seat, "a session after the restart", |at| {
+        at.phase == Phase::Running && at.tick > 1000
+    });
+    arm.feel(TOUCHED_N);
+    let ended = Ended::new(student.wait_with_output().expect("the client ends"));
+    assert_eq!(ended.code, 0, "{ended:#?}");
+    assert_eq!(
+        ended.json()["device"]["last_displayed_n"],
+        0.0,
+        "{ended:#?}"
+    );
+    let log = arm.stop();
+    let felt = |from: u64, to: u64| {
+        let forces = log.forces(arm::ARM).into_iter();
+        let between = forces.filter(|sent| (from..to).contains(&sent.t_ns));
+        between.map(|sent| sent.norm()).fold(0.0, f64::max)
+    };
+    // A force of the last 20 ms may still be on its way, and threads of a busy machine wait.
+    let silent = felt(killed_ns + 300_000_000, again_ns);
+    assert_eq!(silent, 0.0, "a force without a server");
+    assert!(log.largest_displayed(arm::ARM) <= 3.3);
+
+    act("a sixth student practises at home, where the ticks run at the hand");
+    home::perform(&class, &mut instructor);
+
+    if Resource::Curl.or_skip(page::can()).is_some() {
+        act("the table of results has a row for each session");
+        let patience = Instant::now() + Duration::from_secs(60);
+        loop {
+            let table = page::asked(&class.place, &server, &token, "/results");
+            let rows = table.matches("data-label=\"State\"").count();
+            if rows == STATIONS.len() + 1 {
+                break;
+            }
+            assert!(Instant::now() < patience, "{rows} rows");
+            std::thread::sleep(Duration::from_millis(500));
+        }
     }
 
     act("the certificate is rotated: open connections stay, tickets of the former one are refused");
@@ -389,13 +526,21 @@ fn a_class_hour() {
 
     act("every recording replays identically");
     let recordings = class.recordings();
-    assert_eq!(recordings.len(), 2 * STATIONS.len(), "{recordings:?}");
+    assert_eq!(recordings.len(), 2 * STATIONS.len() + 1, "{recordings:?}");
     let mut pairs: Vec<Vec<PathBuf>> = vec![Vec::new(); STATIONS.len()];
     for file in recordings {
         let name = file.to_str().expect("plain");
         let info = class.sessions(&["info", name, "--json"]).json();
+        if info["station"] == HOME.0 {
+            home::check(&class, &file);
+            continue;
+        }
         let at = names.iter().position(|one| info["station"] == **one);
-        pairs[at.unwrap_or_else(|| panic!("{info}"))].push(file.clone());
+        let at = at.unwrap_or_else(|| panic!("{info}"));
+        pairs[at].push(file.clone());
+        let devices = info["devices"].as_array().expect("a list");
+        let serials: Vec<&Value> = devices.iter().map(|device| &device["serial"]).collect();
+        assert_eq!(serials.contains(&&Value::from(arm::ARM)), at == WITH_ARM);
         // A recording that the kill has cut off replays as far as it goes, and says so by its exit code.
         let replay = class.sessions(&["replay", name, "--json"]).json();
         assert_eq!(replay["identical"], true, "{replay}");

@@ -3,17 +3,24 @@
 //! [`Place`] is a folder for one test, [`Program`] a program of the workspace, [`Ended`] its result, [`Serving`] a running
 //! server. The tests themselves stand in `tests/it`.
 
+mod image;
+pub mod page;
 mod program;
 
 use std::io::{BufRead, BufReader, Write as _};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Output, Stdio};
 
+pub use image::{Image, USER};
 pub use program::Program;
 
 /// A folder of its own for one test: recordings, keys and caches go there, nothing else is touched.
 pub struct Place {
     folder: tempfile::TempDir,
+    /// Image in which the server's programs run; `None`: they run on this machine.
+    image: Option<Image>,
+    /// Further variables of all programs.
+    variables: Vec<(String, String)>,
 }
 
 impl Place {
@@ -21,7 +28,41 @@ impl Place {
     pub fn new() -> Self {
         Self {
             folder: tempfile::tempdir().expect("a temporary folder"),
+            image: None,
+            variables: Vec::new(),
         }
+    }
+
+    /// A new empty place, where the server's programs run in an image as its user. Other programs run on this machine.
+    pub fn with_image(image: Image) -> Self {
+        let place = Self {
+            image: Some(image),
+            ..Self::new()
+        };
+        // The scenes that other tests have compiled, for the image's own user.
+        let copied = Command::new("cp")
+            .arg("-r")
+            .arg(cache())
+            .arg(place.path("cache"))
+            .output();
+        let _ = copied.expect("cp starts");
+        let owner = format!("{USER}:{USER}");
+        let owned = Command::new("chown")
+            .args(["-R", &owner])
+            .arg(place.folder.path())
+            .status();
+        assert!(owned.expect("chown starts").success());
+        place
+    }
+
+    /// Sets a variable for all further programs.
+    pub fn set(&mut self, name: &str, value: &str) {
+        self.variables.push((name.into(), value.into()));
+    }
+
+    /// Takes all variables of [`Place::set`] back.
+    pub fn unset(&mut self) {
+        self.variables.clear();
     }
 
     /// A path in it.
@@ -31,11 +72,22 @@ impl Place {
 
     /// A command that runs in it. All tests share the cache of sphere trees below `target`.
     pub fn command(&self, path: &Path) -> Command {
-        let mut command = Command::new(path);
+        let inside = self.image.as_ref();
+        let inside = inside.and_then(|image| Some((image, image.path(path)?)));
+        // In an image the server's user can read nothing of the root's programs, and owns its folders alone.
+        let (mut command, state, cache) = match inside {
+            Some((image, inside)) => {
+                let command = image.command(&inside, self.folder.path());
+                (command, "state", self.path("cache"))
+            }
+            None if self.image.is_some() => (Command::new(path), "own-state", cache()),
+            None => (Command::new(path), "state", cache()),
+        };
         command
             .current_dir(self.folder.path())
-            .env("SULCUS_STATE_DIR", self.path("state"))
-            .env("SULCUS_CACHE", cache())
+            .env("SULCUS_STATE_DIR", self.path(state))
+            .env("SULCUS_CACHE", cache)
+            .envs(self.variables.iter().map(|(name, value)| (name, value)))
             .stdin(Stdio::null());
         command
     }
@@ -180,7 +232,7 @@ impl Place {
         self.command(Program::Client.path())
             .args(["run", "--server", &server.address])
             .args(["--ticket", &server.ticket])
-            .args(["--duration", "60", "--json"])
+            .args(["--duration", "60", "--tick", "server", "--json"])
             .stdout(Stdio::piped())
             .stderr(Stdio::piped())
             .spawn()
@@ -196,20 +248,28 @@ pub struct Serving {
     pub address: String,
     /// What a client needs besides.
     pub ticket: String,
+    /// Address of the instructor's console, with `--console`.
+    pub console: Option<String>,
 }
 
 impl Serving {
+    /// Ends the server at once, as a loss of power does.
+    pub fn stop(&mut self) {
+        let _ = self.process.kill();
+        let _ = self.process.wait();
+    }
+
     /// What a client is told to join it, with further arguments.
     fn joining<'a>(&'a self, more: &[&'a str]) -> Vec<&'a str> {
         let run = ["run", "--server", &self.address, "--ticket", &self.ticket];
-        [&run[..], &["--json"], more].concat()
+        // On a busy machine the choice of a client would be a matter of chance.
+        [&run[..], &["--tick", "server", "--json"], more].concat()
     }
 }
 
 impl Drop for Serving {
     fn drop(&mut self) {
-        let _ = self.process.kill();
-        let _ = self.process.wait();
+        self.stop();
     }
 }
 
@@ -221,8 +281,13 @@ impl Place {
 
     /// Starts `sulcus-server serve` on an address with further arguments.
     pub fn serve_at(&self, listen: &str, arguments: &[&str]) -> Serving {
+        self.serve_by(Program::Server.path(), listen, arguments)
+    }
+
+    /// The same with the program at `path`.
+    pub fn serve_by(&self, path: &Path, listen: &str, arguments: &[&str]) -> Serving {
         let mut process = self
-            .command(Program::Server.path())
+            .command(path)
             .args(["serve", "--listen", listen, "--json"])
             .args(arguments)
             .stdout(Stdio::piped())
@@ -244,6 +309,7 @@ impl Place {
         Serving {
             address: text("address"),
             ticket: text("ticket"),
+            console: said["console"].as_str().map(str::to_owned),
             process,
         }
     }

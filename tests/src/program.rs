@@ -98,7 +98,7 @@ fn build(folder: &Path) {
     let mut command = Command::new(cargo);
     command
         .current_dir(Path::new(env!("CARGO_MANIFEST_DIR")).join(".."))
-        .args(["build", "--bins"]);
+        .args(["build", "--bins", "--features", "sulcus-server/console"]);
     for program in Program::ALL {
         command.args(["--package", program.name()]);
     }

@@ -1,7 +1,8 @@
 //! Device whose user makes events for the recording.
 
 use sulcus_core::{MAX_TOOLS, Pose, ToolInput, Wrench};
-use sulcus_haptics::{Device, Shown};
+use sulcus_haptics::guide::Guide;
+use sulcus_haptics::{HandSource, Merger, Shown, Stage};
 use sulcus_proto::control::Command;
 use sulcus_proto::datagram::WireLevels;
 
@@ -26,6 +27,10 @@ pub struct Glance {
     pub graphics: [Option<Pose>; MAX_TOOLS],
     /// Whether a hand holds the tool.
     pub held: [bool; MAX_TOOLS],
+    /// Poses of the ghost's tools; `None` without a ghost.
+    pub ghost: [Option<Pose>; MAX_TOOLS],
+    /// Stages of devices with threads of their own; `None` for a slot without such a device.
+    pub stages: [Option<Stage>; MAX_TOOLS],
 }
 
 /// Event of a device's user, for the recording.
@@ -38,7 +43,7 @@ pub struct DeviceEvent {
 }
 
 /// Device whose user makes events, for example calls of probing depths.
-pub trait EventDevice: Device {
+pub trait EventDevice: HandSource {
     /// Returns the events since the previous call of this function. The default returns none.
     fn events(&mut self) -> Vec<DeviceEvent> {
         Vec::new()
@@ -51,9 +56,23 @@ pub trait EventDevice: Device {
 
     /// Takes the state of each pass of the loop, for a screen. The default ignores the state.
     fn glance(&mut self, _: &Glance) {}
+
+    /// Takes a message of an instructor for a screen. The default ignores the message.
+    fn hear(&mut self, _: &str) {}
+
+    /// Hands of devices with threads of their own, each behind a door at its device. The default is `None`: the loop
+    /// reads the hands in step, behind doors of its own.
+    fn threaded(&mut self) -> Option<&mut Merger> {
+        None
+    }
+
+    /// Guide along a recorded path, whose wrench is added before the door. The default is none.
+    fn guide(&mut self) -> Option<&mut Guide> {
+        None
+    }
 }
 
-impl Device for Box<dyn EventDevice> {
+impl HandSource for Box<dyn EventDevice> {
     fn name(&self) -> &str {
         (**self).name()
     }
@@ -74,5 +93,14 @@ impl EventDevice for Box<dyn EventDevice> {
     }
     fn glance(&mut self, glance: &Glance) {
         (**self).glance(glance);
+    }
+    fn hear(&mut self, text: &str) {
+        (**self).hear(text);
+    }
+    fn threaded(&mut self) -> Option<&mut Merger> {
+        (**self).threaded()
+    }
+    fn guide(&mut self) -> Option<&mut Guide> {
+        (**self).guide()
     }
 }

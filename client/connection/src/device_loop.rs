@@ -2,55 +2,34 @@
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use serde::Serialize;
 use sulcus_core::math::norm;
 use sulcus_core::{MAX_TOOLS, RawPose, TickInput, ToolInput, Vec3, Wrench};
-use sulcus_haptics::{Display, Limits, PassivityParams, Shown, SlewLimits, drawn, gated};
+use sulcus_haptics::guide::{Guide, Moment};
+use sulcus_haptics::{Door, DoorRules, Limits, Merged, Shown, SlewLimits, Wanted, drawn};
+use sulcus_link::Times;
 use sulcus_link::clock::sleep_until;
 use sulcus_link::schedule::{exact_timers, fifo};
+use sulcus_proto::at_hand::LIVE_POSE_MS;
 use sulcus_proto::control::Event;
 use sulcus_proto::datagram::{ToolPose, WirePose, WireWrench};
+use sulcus_proto::device::PHASE_EVENT;
 
+use crate::at_hand::HandTicker;
 use crate::device::{DeviceEvent, EventDevice, Glance};
 use crate::interrupt;
-use crate::link::{Link, PosePacket, now_ns};
+use crate::link::{Heard, Link, PosePacket, WrenchPacket, now_ns};
+use crate::phase::Phase;
+use crate::report::LoopReport;
 
 /// SCHED_FIFO priority of the device thread, below that of an embedded simulation.
 const PRIORITY: i32 = 45;
 /// Time of a closed gate after which the server counts as gone although its connection lives, nanoseconds. A lost
 /// connection shows earlier, as the end of the link or as its attempt to return.
 const GONE_NS: u64 = 10_000_000_000;
+/// Time between two events about the phase, nanoseconds.
+const PHASE_NS: u64 = 10_000_000_000;
 /// Longest wait for the first wrench of a started session, nanoseconds.
 const START_NS: u64 = 5_000_000_000;
-
-/// Report of one run of the loop.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
-pub struct LoopReport {
-    /// Number of periods of the device.
-    pub periods: u64,
-    /// Number of periods that passed before the system woke the loop. The device moved on in these periods too.
-    pub overslept: u64,
-    /// Largest force displayed on either hand, newtons.
-    pub max_displayed_n: f64,
-    /// Largest change of the displayed force between two passes of the loop, newtons.
-    pub max_displayed_step_n: f64,
-    /// Force displayed last, newtons: the larger of both hands.
-    pub last_displayed_n: f64,
-    /// Number of times that the watchdog began to close the gate.
-    pub gate_closings: u64,
-    /// Largest net energy that the displayed force put out into a hand since a contact began, joules.
-    pub energy_out_j: f64,
-    /// Energy removed by the passivity controllers of both hands, joules.
-    pub energy_taken_j: f64,
-    /// Number of periods in which a passivity controller acted, summed over both hands.
-    pub damped_periods: u64,
-    /// Tick of the newest wrench received.
-    pub last_tick: u64,
-    /// Whether the run ended because no more wrenches came: the server was silent or ended the session.
-    pub server_silent: bool,
-    /// Whether the user interrupted the run.
-    pub interrupted: bool,
-}
 
 /// Disturbance of the input of one period, by period number: lost packets and invalid numbers of the hard cases.
 pub type Disturb = fn(u64, &mut TickInput);
@@ -67,8 +46,23 @@ pub fn run(
     disturb: Option<Disturb>,
     done: &AtomicU64,
 ) -> LoopReport {
+    run_with_ticks(link, device, (periods, disturb), None, done).0
+}
+
+/// Runs `device` like [`run`]. `hand` computes the ticks if they run at the hand, and is returned.
+pub fn run_with_ticks(
+    link: &mut Link,
+    device: &mut dyn EventDevice,
+    (periods, disturb): (u64, Option<Disturb>),
+    hand: Option<HandTicker>,
+    done: &AtomicU64,
+) -> (LoopReport, Option<HandTicker>) {
     punctual(PRIORITY);
-    let mut device_loop = DeviceLoop::new(link, now_ns(), periods, disturb);
+    let device_loop = DeviceLoop::new(link, now_ns(), periods, disturb).in_phase();
+    let mut device_loop = match hand {
+        Some(hand) => device_loop.with_ticks(hand),
+        None => device_loop,
+    };
     while device_loop.goes_on(device) {
         sleep_until(device_loop.grid_ns);
         device_loop.pass(link, device, now_ns());
@@ -82,11 +76,21 @@ pub struct DeviceLoop {
     /// Time of the next pass, by [`now_ns`].
     grid_ns: u64,
     period_ns: u64,
+    /// Control loop of the phase. `None`: the passes keep their grid.
+    phase: Option<Phase>,
     /// Number of periods to perform.
     periods: u64,
     disturb: Option<Disturb>,
-    limits: Limits,
-    displays: [Display; MAX_TOOLS],
+    /// Doors of hands in step with the loop.
+    doors: [Door; MAX_TOOLS],
+    /// Newest state of the hands of devices with threads of their own.
+    merged: Option<[Merged; MAX_TOOLS]>,
+    ages: [Times; MAX_TOOLS],
+    hand_ages: Times,
+    /// Poses of the tools in the last pass, for a guide.
+    hands: Moment,
+    /// Ghost that an instructor shows. The device's own guide rests meanwhile.
+    shown: Option<Box<Guide>>,
     displayed: [Wrench; MAX_TOOLS],
     /// Number of periods spent waiting for the first wrench.
     waited: u64,
@@ -96,6 +100,10 @@ pub struct DeviceLoop {
     /// Whether the wrench falls to zero before the end.
     leaving: bool,
     over: bool,
+    /// Ticks at the hand; `None`: the server ticks.
+    hand: Option<HandTicker>,
+    /// Whether the rows of the ticks cannot be handed in any more.
+    stuck: bool,
     report: LoopReport,
 }
 
@@ -108,28 +116,48 @@ impl DeviceLoop {
             force_n_per_ms: f64::from(hello.max_force_step_n),
             torque_nm_per_ms: f64::from(hello.max_torque_step_nm),
         };
-        let controller = PassivityParams {
-            period_s: period_ns as f64 / 1e9,
-            ..PassivityParams::default()
+        let limits = Limits {
+            force_n: f64::from(hello.max_force_n),
+            torque_nm: f64::from(hello.max_torque_nm),
         };
+        let rules = DoorRules::in_step(limits, slew, period_ns as f64 / 1e9);
         Self {
             grid_ns: begin_ns + period_ns,
             period_ns,
+            phase: None,
             periods,
             disturb,
-            limits: Limits {
-                force_n: f64::from(hello.max_force_n),
-                torque_nm: f64::from(hello.max_torque_nm),
-            },
-            displays: [0; MAX_TOOLS].map(|_| Display::new(controller, slew)),
+            doors: [0; MAX_TOOLS].map(|_| Door::new(rules.clone())),
+            merged: None,
+            ages: [0; MAX_TOOLS].map(|_| Times::up_to(1)),
+            hand_ages: Times::up_to(1),
+            hands: [None; MAX_TOOLS],
+            shown: None,
             displayed: [Wrench::ZERO; MAX_TOOLS],
             waited: 0,
             closed_for: 0,
             was_open: false,
             leaving: false,
             over: false,
+            hand: None,
+            stuck: false,
             report: LoopReport::default(),
         }
+    }
+
+    /// The same loop with ticks of its own, for a session whose ticks run at the hand.
+    #[must_use]
+    pub fn with_ticks(mut self, hand: HandTicker) -> Self {
+        self.hand = Some(hand);
+        self.phase = None;
+        self
+    }
+
+    /// The same loop with passes that move until each pose arrives shortly before the server's tick.
+    #[must_use]
+    pub fn in_phase(mut self) -> Self {
+        self.phase = Some(Phase::new(self.period_ns));
+        self
     }
 
     /// Time of the next pass, by [`now_ns`].
@@ -146,47 +174,87 @@ impl DeviceLoop {
     /// displayed wrench is zero.
     pub fn goes_on(&mut self, device: &dyn EventDevice) -> bool {
         self.report.interrupted |= interrupt::asked();
-        self.leaving =
-            self.report.interrupted || self.report.periods >= self.periods || device.is_done();
+        self.leaving = self.report.interrupted
+            || self.stuck
+            || self.report.periods >= self.periods
+            || device.is_done();
         let has_ended = self.leaving && is_let_go(&self.displayed);
         !(self.over || has_ended)
     }
 
     /// Report of the ended loop.
-    pub fn end(self) -> LoopReport {
+    pub fn end(mut self) -> (LoopReport, Option<HandTicker>) {
         let mut report = self.report;
-        for energy in self.displays.map(|display| display.energy()) {
+        let of_merged = self
+            .merged
+            .map(|merged| merged.map(|hand| (hand.sample.energy, hand.sample.counts)));
+        let of_doors = || {
+            self.doors
+                .each_ref()
+                .map(|door| (door.energy(), door.counts()))
+        };
+        for (energy, counts) in of_merged.unwrap_or_else(of_doors) {
             report.energy_out_j = report.energy_out_j.max(energy.most_out);
             report.energy_taken_j += energy.taken;
             report.damped_periods += energy.acted;
+            report.trips += counts.trips;
+            report.dropped_torque_periods += counts.dropped;
+            report.most_dropped_torque_nm =
+                report.most_dropped_torque_nm.max(counts.most_dropped_nm);
+            report.limited_periods += counts.limited;
         }
-        report
+        report.phase = self.phase.map(|phase| phase.report()).unwrap_or_default();
+        report.pose_age_us = self.ages.each_ref().map(Times::percentiles);
+        report.hand_age_us = self.hand_ages.percentiles();
+        (report, self.hand.take())
     }
 
     /// Performs a pass of the loop. `now` is the present time by [`now_ns`], at or after [`DeviceLoop::next_ns`].
     pub fn pass(&mut self, link: &mut Link, device: &mut dyn EventDevice, now: u64) {
         let (leaving, period_ns) = (self.leaving, self.period_ns);
         let late = now.saturating_sub(self.grid_ns) / period_ns;
-        let gate = link.force_gate(now);
-        let newest = link.latest_wrench();
+        let told = link.latest_wrench();
+        // Ticks at the hand need no server: the watchdog waits for the ticks.
+        let gate = match &self.hand {
+            Some(_) => f64::from(u8::from(link.is_open() && told.is_some())),
+            None => link.force_gate(now),
+        };
+        let leaving = leaving || self.hand.is_some() && gate == 0.0;
         self.grid_ns += (late + 1) * period_ns;
-        if newest.is_none() && self.waited < START_NS / period_ns && link.is_open() {
+        self.keep_phase(told.as_ref());
+        if let Some(hand) = &mut self.hand
+            && hand.run() != link.restarts()
+        {
+            hand.begin_again(link.restarts());
+        }
+        // Later the hands must not stand still.
+        let begins = self.report.periods == 0;
+        if begins && told.is_none() && self.waited < START_NS / period_ns && link.is_open() {
             // The server is still opening its recording: motion of the hands would be lost.
             self.waited += 1 + late;
             return;
         }
-        let felt: [Wrench; MAX_TOOLS] = std::array::from_fn(|t| {
-            let wanted = newest.filter(|_| !leaving).map_or(Wrench::ZERO, |packet| {
-                let WireWrench { force, torque } = packet.datagram.tools[t].wrench;
-                let sent = Wrench {
-                    force: Vec3::from(force.map(f64::from)),
-                    torque: Vec3::from(torque.map(f64::from)),
-                };
-                gated(&sent, gate, &self.limits)
-            });
-            // No damping at the end: the wrench must reach zero.
-            self.displays[t].next(&wanted, if leaving { 0.0 } else { gate })
+        let newest = match &self.hand {
+            Some(hand) => hand.newest(told.as_ref(), now),
+            None => told,
+        };
+        if self.hand.is_some()
+            && let Some(age_ns) = newest.and_then(|packet| packet.age_ns)
+        {
+            self.hand_ages.record(age_ns);
+        }
+        let wanted: [Wanted; MAX_TOOLS] = std::array::from_fn(|t| Wanted {
+            leaving,
+            ..newest.map_or(Wanted::NOTHING, |packet| wanted(&packet, t))
         });
+        while let Some(heard) = link.heard() {
+            match heard {
+                Heard::Text(text) => device.hear(&text),
+                Heard::Ghost(ghost) => self.shown = ghost,
+            }
+        }
+        let wanted = self.guided(device, wanted, newest.as_ref());
+        let felt = self.felt(device, &wanted, now);
         let report = &mut self.report;
         for (now, before) in felt.iter().zip(&self.displayed) {
             let force = norm(&now.force);
@@ -213,28 +281,38 @@ impl DeviceLoop {
                 })
             }),
         };
-        // A real device moves on while the loop sleeps; the simulated device must do the same.
-        let mut input = TickInput::IDLE;
-        for _ in 0..=late {
-            input.tools = device.exchange(&shown);
-            for (display, tool) in self.displays.iter_mut().zip(&input.tools) {
-                let hand = drawn(&tool.pose).filter(|_| tool.present);
-                display.moved(hand.as_ref(), 1);
-            }
-            if let Some(disturb) = self.disturb {
-                disturb(report.periods, &mut input);
-            }
-            report.periods += 1;
-        }
+        let before = self.report.periods;
+        let input = self.read_hands(device, &shown, late);
+        self.hands = input
+            .tools
+            .map(|tool| drawn(&tool.pose).filter(|_| tool.present));
+        let report = &mut self.report;
         for DeviceEvent { kind, json } in device.events() {
             let (tick, kind) = (report.last_tick, kind.into());
             // Refused if the link has ended, which the loop detects, or if its message queue is full.
             let _ = link.event(Event { tick, kind, json });
         }
+        let every = (PHASE_NS / period_ns).max(1);
+        if let Some(phase) = self.phase
+            && report.periods / every != before / every
+        {
+            let (tick, kind) = (report.last_tick, PHASE_EVENT.into());
+            let json = phase.report().json();
+            let _ = link.event(Event { tick, kind, json });
+        }
         for command in device.commands() {
+            if let Some(hand) = &mut self.hand {
+                hand.command(command);
+            }
             // Refused for the same reasons as an event.
             let _ = link.command(command);
         }
+        let ghost = match &self.shown {
+            Some(ghost) => ghost.ghost(),
+            None => device
+                .guide()
+                .map_or([None; MAX_TOOLS], |guide| guide.ghost()),
+        };
         device.glance(&Glance {
             now_ns: now,
             tick: report.last_tick,
@@ -247,13 +325,46 @@ impl DeviceLoop {
             displayed: felt,
             graphics: shown.graphics,
             held: input.tools.map(|tool| tool.present),
+            ghost,
+            stages: std::array::from_fn(|t| self.merged.map(|merged| merged[t].sample.stage)),
         });
         report.overslept += late;
-        link.send_pose(&packet(
-            (report.periods, now, period_ns),
-            &input.tools,
-            &felt,
-        ));
+        let mut packet = packet((report.periods, now, period_ns), &input.tools, &felt);
+        if let Some(merged) = &self.merged {
+            // The reading of a device with a clock of its own has the device's number and time.
+            for (tool, hand) in packet.tools.iter_mut().zip(merged) {
+                if hand.age_ns.is_some() {
+                    tool.sequence = hand.sample.sequence;
+                    tool.device_time_ns = hand.sample.at_ns;
+                }
+            }
+        }
+        match &mut self.hand {
+            None => link.send_pose(&packet),
+            // A server that has lost the session opens a new one first.
+            Some(_) if told.is_none() || self.stuck => {}
+            Some(hand) => {
+                let levels = told.map(|told| told.datagram.levels).unwrap_or_default();
+                let out = hand.pass(&input.tools, &packet.tools, levels, late);
+                (packet.tick, packet.run) = (out.tick, out.run);
+                if let Some(merger) = device.threaded() {
+                    // The device has a rate of its own, and need not wait for the next pass.
+                    let newest = hand.newest(told.as_ref(), now);
+                    merger.order(&std::array::from_fn(|t| Wanted {
+                        leaving,
+                        guide: wanted[t].guide,
+                        ..newest.map_or(Wanted::NOTHING, |packet| self::wanted(&packet, t))
+                    }));
+                }
+                // The force falls to zero, and the session ends with a stop.
+                self.stuck = !link.send_row(out);
+                let every = (LIVE_POSE_MS * 1_000_000 / period_ns).max(1);
+                if out.tick / every != (out.tick - 1 - u64::from(out.row.skipped)) / every {
+                    link.send_pose(&packet);
+                }
+            }
+        }
+        let report = &mut self.report;
 
         report.gate_closings += u64::from(self.was_open && gate < 1.0);
         self.was_open = gate >= 1.0;
@@ -271,6 +382,123 @@ impl DeviceLoop {
             self.over = true;
         }
     }
+
+    /// Moves the next pass by the wait of the newest answered pose at the server.
+    fn keep_phase(&mut self, newest: Option<&WrenchPacket>) {
+        let Some(phase) = &mut self.phase else {
+            return;
+        };
+        // The first tool that has an answer stands for both.
+        let tools = newest.map(|packet| packet.datagram.tools);
+        let echoes = tools.into_iter().flatten().map(|tool| tool.echo);
+        if let Some(echo) = echoes.into_iter().find(|echo| echo.valid) {
+            let age_ns = newest.and_then(|packet| packet.age_ns).unwrap_or(0);
+            phase.heard(echo.sequence, echo.wait_us, age_ns);
+        }
+        let moved_ns = self.grid_ns.checked_add_signed(phase.correction_ns());
+        self.grid_ns = moved_ns.unwrap_or(self.grid_ns);
+    }
+
+    /// Adds the wrenches of a guide to the orders. A paused session has no guide, and the force limit of the session
+    /// applies to both together.
+    fn guided(
+        &mut self,
+        device: &mut dyn EventDevice,
+        mut wanted: [Wanted; MAX_TOOLS],
+        newest: Option<&WrenchPacket>,
+    ) -> [Wanted; MAX_TOOLS] {
+        let Some(packet) = newest else {
+            return wanted;
+        };
+        let levels = &packet.datagram.levels;
+        if levels.paused_by_student || levels.paused_by_station {
+            return wanted;
+        }
+        let limit = f64::from(levels.force_limit_n);
+        let seconds = self.period_ns as f64 / 1e9;
+        if let Some(ghost) = &mut self.shown {
+            // A ghost of the server is seen and never felt.
+            ghost.step(&self.hands, seconds);
+            return wanted;
+        }
+        let Some(guide) = device.guide() else {
+            return wanted;
+        };
+        for (wanted, guide) in wanted.iter_mut().zip(guide.step(&self.hands, seconds)) {
+            let left = if limit > 0.0 {
+                (limit - norm(&wanted.wrench.force)).max(0.0)
+            } else {
+                f64::INFINITY
+            };
+            let length = norm(&guide.force);
+            let share = if length > left { left / length } else { 1.0 };
+            wanted.guide = Wrench {
+                force: guide.force * share,
+                torque: guide.torque * share,
+            };
+        }
+        wanted
+    }
+
+    /// Wrenches that the hands feel from `now` on, about the device points of the tools, world axes.
+    fn felt(
+        &mut self,
+        device: &mut dyn EventDevice,
+        wanted: &[Wanted; MAX_TOOLS],
+        now: u64,
+    ) -> [Wrench; MAX_TOOLS] {
+        if let Some(merger) = device.threaded() {
+            merger.order(wanted);
+            let merged = merger.read(now);
+            for (ages, hand) in self.ages.iter_mut().zip(&merged) {
+                if let Some(age_ns) = hand.age_ns {
+                    ages.record(age_ns);
+                }
+            }
+            self.merged = Some(merged);
+            return merged.map(|hand| hand.displayed(now));
+        }
+        std::array::from_fn(|t| {
+            self.doors[t].order(&wanted[t]);
+            self.doors[t].pass(now)
+        })
+    }
+
+    /// Reads the hands after `late` periods that passed while the loop slept.
+    fn read_hands(&mut self, device: &mut dyn EventDevice, shown: &Shown, late: u64) -> TickInput {
+        let mut input = TickInput::IDLE;
+        if let Some(merged) = &self.merged {
+            input.tools = merged.map(|hand| hand.tool);
+            self.report.periods += 1 + late;
+            return input;
+        }
+        // A real hand moves on while the loop sleeps; the simulated hand must do the same.
+        for _ in 0..=late {
+            input.tools = device.exchange(shown);
+            for (door, tool) in self.doors.iter_mut().zip(&input.tools) {
+                let hand = drawn(&tool.pose).filter(|_| tool.present);
+                door.moved(hand.as_ref(), 1);
+            }
+            if let Some(disturb) = self.disturb {
+                disturb(self.report.periods, &mut input);
+            }
+            self.report.periods += 1;
+        }
+        input
+    }
+}
+
+/// Order of `packet` to the hand in `slot`.
+fn wanted(packet: &WrenchPacket, slot: usize) -> Wanted {
+    let WireWrench { force, torque } = packet.datagram.tools[slot].wrench;
+    Wanted {
+        wrench: Wrench {
+            force: Vec3::from(force.map(f64::from)),
+            torque: Vec3::from(torque.map(f64::from)),
+        },
+        heard_ns: Some(packet.arrived_ns),
+        ..Wanted::NOTHING
+    }
 }
 
 /// Whether all displayed wrenches are zero. A torque also holds a hand.
@@ -286,6 +514,8 @@ fn packet(
 ) -> PosePacket {
     let narrow = |v: &Vec3| [v.x as f32, v.y as f32, v.z as f32];
     PosePacket {
+        tick: 0,
+        run: 0,
         tools: std::array::from_fn(|t| ToolPose {
             present: tools[t].present,
             buttons: tools[t].buttons,

@@ -125,6 +125,15 @@ impl Instructor {
         }
     }
 
+    /// Error with which the connection has ended; `None` while it goes on.
+    pub fn ended(&mut self) -> Option<LinkError> {
+        let to_server = self.to_server.as_ref();
+        to_server.is_none_or(mpsc::Sender::is_closed).then(|| {
+            let ended = self.answers.try_iter().find_map(Result::err);
+            ended.unwrap_or_else(|| LinkError::Lost("the connection has ended".into()))
+        })
+    }
+
     /// Next status or event, or `None` after `timeout` or at the end of the connection.
     pub fn next(&mut self, timeout: Duration) -> Option<Heard> {
         self.heard.recv_timeout(timeout).ok()
@@ -149,7 +158,7 @@ async fn greet(config: &LinkConfig) -> Result<Greeted, LinkError> {
     let greeting = async {
         let opened = connection.open_bi().await;
         let (mut send, mut recv) = opened.map_err(|error| LinkError::Lost(error.to_string()))?;
-        control::write(&mut send, &handshake::client_hello(config)).await?;
+        control::write(&mut send, &handshake::client_hello(config, Duration::ZERO)).await?;
         match sulcus_link::control::read(&mut recv).await? {
             ServerMessage::Welcome(welcome) => {
                 control::write(&mut send, &ClientMessage::Watch).await?;

@@ -8,10 +8,12 @@ use anyhow::bail;
 use sulcus_link::clock::sleep_until;
 use sulcus_proto::control::Goodbye;
 
+use crate::at_hand::HandTicker;
 use crate::device::EventDevice;
-use crate::device_loop::{self, DeviceLoop, Disturb, LoopReport};
+use crate::device_loop::{self, DeviceLoop, Disturb};
 use crate::link::{Link, LinkError, LinkStats, now_ns};
 use crate::progress::Steps;
+use crate::report::LoopReport;
 
 /// Result of a session on a link.
 pub struct Performed {
@@ -21,9 +23,12 @@ pub struct Performed {
     pub stats: LinkStats,
     /// Report of the device's loop.
     pub report: LoopReport,
+    /// Ticks at the hand; `None`: the server ticked.
+    pub hand: Option<HandTicker>,
 }
 
-/// Starts the session on `link` and runs `device` on a thread of its own, with a progress bar.
+/// Starts the session on `link` and runs `device` on a thread of its own, with a progress bar. `hand` computes the
+/// ticks if they run at the hand: [`HandTicker::on`].
 ///
 /// The session ends after `periods` periods of the server's tick, at the device's end, at an interrupt, or when the
 /// server ends it. The function then waits for the goodbye, unless the server is silent.
@@ -35,6 +40,7 @@ pub fn perform(
     mut device: impl EventDevice,
     periods: u64,
     disturb: Option<Disturb>,
+    hand: Option<HandTicker>,
     steps: &Steps,
 ) -> anyhow::Result<Performed> {
     if !link.start() {
@@ -45,7 +51,9 @@ pub fn perform(
     let performed = std::thread::scope(|scope| {
         let loop_thread = std::thread::Builder::new()
             .name("sulcus-device".into())
-            .spawn_scoped(scope, || run(link, &mut device, periods, disturb, &done))?;
+            .spawn_scoped(scope, || {
+                run(link, &mut device, (periods, disturb), hand, &done)
+            })?;
         while !loop_thread.is_finished() {
             let share = done.load(Ordering::Relaxed) as f64 / periods as f64;
             bar.set("performing", share);
@@ -122,16 +130,20 @@ pub fn carry_all<D: EventDevice>(
 fn run(
     mut link: Link,
     device: &mut dyn EventDevice,
-    periods: u64,
-    disturb: Option<Disturb>,
+    (periods, disturb): (u64, Option<Disturb>),
+    hand: Option<HandTicker>,
     done: &AtomicU64,
 ) -> Performed {
-    let report = device_loop::run(&mut link, device, periods, disturb, done);
+    let ran = device_loop::run_with_ticks(&mut link, device, (periods, disturb), hand, done);
     let stats = link.stats();
-    finish(link, stats, report)
+    finish(link, stats, ran)
 }
 
-fn finish(link: Link, stats: LinkStats, report: LoopReport) -> Performed {
+fn finish(
+    link: Link,
+    stats: LinkStats,
+    (report, hand): (LoopReport, Option<HandTicker>),
+) -> Performed {
     // The stop is sent here and at once, because the server records until it arrives. A silent server sends no goodbye.
     // After a close by the server, the link already holds the goodbye.
     let goodbye = if report.server_silent && link.is_open() {
@@ -143,5 +155,6 @@ fn finish(link: Link, stats: LinkStats, report: LoopReport) -> Performed {
         goodbye,
         stats,
         report,
+        hand,
     }
 }

@@ -2,7 +2,8 @@
 
 use std::path::PathBuf;
 
-use clap::Args;
+use clap::{Args, ValueEnum};
+use sulcus_connection::at_hand::TickPlace;
 use sulcus_core::optimise::SolverKind;
 use sulcus_operator::Habit;
 use sulcus_sessions::Mode;
@@ -55,9 +56,39 @@ pub struct DemoArgs {
     /// `--features view`, and one more replay
     #[arg(long)]
     pub pictures: bool,
+    /// Put a simulated network between the student and the server: lan, wifi-good, campus, wifi-bad, home-dsl, lte, geo
+    #[cfg(feature = "embedded")]
+    #[arg(long, value_name = "NAME", conflicts_with = "virtual_time")]
+    pub network: Option<sulcus_relay::Network>,
+    /// End that computes the ticks that the hand feels
+    #[cfg(feature = "embedded")]
+    #[arg(long, value_enum, default_value_t = Ticks::Server, conflicts_with = "virtual_time")]
+    pub tick: Ticks,
     /// Print one JSON object as the last line of standard output
     #[arg(long)]
     pub json: bool,
+}
+
+/// End that computes the ticks, on the command line.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum Ticks {
+    /// The hand if the round trip is above 3 ms and nothing is against it, else the server
+    #[default]
+    Auto,
+    /// The server
+    Server,
+    /// The hand, beside the device, if nothing is against it
+    Hand,
+}
+
+impl From<Ticks> for TickPlace {
+    fn from(ticks: Ticks) -> Self {
+        match ticks {
+            Ticks::Auto => Self::Auto,
+            Ticks::Server => Self::Server,
+            Ticks::Hand => Self::Hand,
+        }
+    }
 }
 
 /// Solver names on the command line.
@@ -114,6 +145,10 @@ impl Default for DemoArgs {
             learner: String::new(),
             mode: Mode::default(),
             pictures: false,
+            #[cfg(feature = "embedded")]
+            network: None,
+            #[cfg(feature = "embedded")]
+            tick: Ticks::Server,
             json: false,
         }
     }

@@ -14,7 +14,9 @@ pub mod lesson;
 #[cfg(feature = "embedded")]
 pub mod live;
 pub mod lockstep;
+pub mod network;
 pub mod page;
+pub mod place;
 pub mod seat;
 pub mod simulated;
 pub mod summary;
@@ -152,11 +154,13 @@ fn run_virtual(
         tick_wall_us: ran.tick_wall_us,
         rtt_us: None,
         network_us: None,
+        wait_us: None,
         max_residual_um: checked.measures.residual * 1e6,
         residual_every: checked.residual_every,
         exhausted: checked.measures.exhausted,
         max_force_n: checked.measures.max_force,
         passivity: None,
+        way: None,
         lost: 0,
         late: 0,
         identical: checked.report.identical,

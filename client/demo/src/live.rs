@@ -11,12 +11,20 @@ use sulcus_server::{Exercise, Server, ServerConfig, SessionPlan, StationConfig};
 use crate::args::DemoArgs;
 use crate::check;
 use crate::exercise::Prepared;
+use crate::network::NetworkSummary;
+use crate::place::tell_place;
 use crate::seat::{self, Ending, Seat, taken};
 use crate::simulated::Simulated;
 use crate::summary::{DemoSummary, PassivitySummary};
+use sulcus_connection::at_hand::HandTicker;
 use sulcus_connection::link::{Link, LinkConfig};
 use sulcus_connection::perform::perform;
 use sulcus_connection::progress::Steps;
+use sulcus_relay::Relay;
+use sulcus_sessions::Recording;
+
+/// Largest number of ticks at the hand whose bits are compared with the recording: five minutes at 1 kHz.
+const LOGGED: usize = 300_000;
 
 /// Performs `prepared` in real time, with the simulated operator in a seat, and checks the recording. Returns the
 /// summary.
@@ -48,8 +56,27 @@ pub fn run(
     station.name = "demo".into();
     let config = ServerConfig::new(station, args.recordings.clone())?;
     let server = Server::start(config)?;
-    let link_config = LinkConfig::new(server.local_addr(), server.ticket(), seat::device(seat));
+    let seed = args.hand_seed();
+    let relay = args
+        .network
+        .map(|network| Relay::through(network, server.local_addr(), seed))
+        .transpose()
+        .context("the relay of --network cannot start")?;
+    let address = relay
+        .as_ref()
+        .map_or_else(|| server.local_addr(), Relay::address);
+    let link_config = LinkConfig {
+        tick: args.tick.into(),
+        scene_hash: prepared.scene_hash(),
+        ..LinkConfig::new(address, server.ticket(), seat::device(seat))
+    };
     let link = Link::connect(link_config.clone())?;
+    tell_place(&link);
+    let hand = HandTicker::on(&link, &scene)?;
+    let logged = usize::try_from(prepared.ticks)
+        .unwrap_or(LOGGED)
+        .min(LOGGED);
+    let hand = hand.map(|hand| hand.logged(logged));
     let begin = Instant::now();
     let disturb = prepared.case.map(|case| case.disturb);
     let device = Simulated {
@@ -57,11 +84,15 @@ pub fn run(
         until_done: prepared.until_done,
     };
     let device = taken(seat, &link_config, &link, &prepared.exercise, device);
-    let ran = perform(link, device, prepared.ticks, disturb, steps)?;
+    let ran = perform(link, device, prepared.ticks, disturb, hand, steps)?;
     let wall_s = begin.elapsed().as_secs_f64();
+    let path = args.network.zip(relay.as_ref().map(Relay::counts));
     server.shutdown();
     server.join()?;
-    let goodbye = ran.goodbye.context("the embedded server was lost")?;
+    let goodbye = match &ran.goodbye {
+        Ok(goodbye) => goodbye.clone(),
+        Err(error) => bail!("the embedded server was lost: {error}"),
+    };
     let summary = &goodbye.summary;
     if summary.recording.is_empty() {
         bail!("{}", goodbye.text);
@@ -83,6 +114,15 @@ pub fn run(
     if let Some(screen) = seat {
         (screen.ended)(&Ending::Replaying);
     }
+    // One more pass over the recording, which the lines of a plain demo do not need.
+    let asked = args.json || path.is_some() || ran.hand.is_some();
+    let way = asked
+        .then(|| NetworkSummary::new(&ran, &Recording::open(&recording)?))
+        .transpose()?;
+    let way = way.map(|way| match path {
+        Some((network, counts)) => way.through(network, counts, wall_s),
+        None => way,
+    });
     let checked = check::with(&recording, args.pictures, steps)?;
     // The wire carries no readings of pockets. The lines therefore come from the replay.
     for line in &checked.zones {
@@ -110,11 +150,13 @@ pub fn run(
         tick_us: summary.tick_us,
         tick_wall_us: summary.tick_wall_us,
         rtt_us: (ran.stats.answered > 0).then_some(ran.stats.rtt_us),
+        wait_us: (ran.stats.answered > 0).then_some(ran.stats.wait_us),
         network_us: (ran.stats.answered > 0).then_some(ran.stats.network_us),
         max_residual_um: checked.measures.residual * 1e6,
         residual_every: checked.residual_every,
         exhausted: checked.measures.exhausted,
         max_force_n: checked.measures.max_force,
+        way,
         passivity: Some(PassivitySummary {
             energy_out_mj: ran.report.energy_out_j * 1e3,
             energy_taken_mj: ran.report.energy_taken_j * 1e3,

@@ -166,6 +166,11 @@ fn simulated(scene: &Scene) -> Vec<DeviceFacts> {
         max_force_n: scene.params.max_force,
         max_torque_nm: scene.params.max_torque,
         force_dof: 6,
+        library: "simulated".into(),
+        motion_axes: 6,
+        force_axes: 3,
+        torque_axes: 3,
+        ..DeviceFacts::default()
     };
     (0..).take(scene.tools.len()).map(device).collect()
 }

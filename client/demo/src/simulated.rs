@@ -2,7 +2,7 @@
 
 use sulcus_connection::device::{DeviceEvent, EventDevice};
 use sulcus_core::{MAX_TOOLS, ToolInput};
-use sulcus_haptics::{Device, Shown};
+use sulcus_haptics::{HandSource, Shown};
 use sulcus_operator::Operator;
 
 use crate::calls::{calls, event};
@@ -15,7 +15,7 @@ pub struct Simulated {
     pub until_done: bool,
 }
 
-impl Device for Simulated {
+impl HandSource for Simulated {
     fn name(&self) -> &str {
         "simulated"
     }

@@ -11,6 +11,7 @@ use sulcus_sessions::exercise::events::Tally;
 use sulcus_sessions::{Grade, Mode};
 
 use crate::calls::Called;
+use crate::network::NetworkSummary;
 
 /// Summary of one demo.
 ///
@@ -44,6 +45,9 @@ pub struct DemoSummary {
     /// Time from a pose to the first wrench that answers it, microseconds, with the wait for the server's next tick.
     /// `None` in virtual time, and if no pose was answered.
     pub rtt_us: Option<Percentiles>,
+    /// Time from the arrival of a pose at the server to the begin of the tick that used it, microseconds; `None`
+    /// likewise.
+    pub wait_us: Option<Percentiles>,
     /// [`DemoSummary::rtt_us`] without the time that the server held the pose, microseconds; `None` likewise.
     pub network_us: Option<Percentiles>,
     /// Deepest penetration in the converged ticks that had a full query of all pairs, micrometres.
@@ -56,6 +60,9 @@ pub struct DemoSummary {
     pub max_force_n: f64,
     /// Energy of the displayed force; `None` in virtual time, which has no display loop.
     pub passivity: Option<PassivitySummary>,
+    /// Figures of the way between hand and server; absent in virtual time, and in a plain demo without JSON.
+    #[serde(flatten)]
+    pub way: Option<NetworkSummary>,
     /// Number of datagrams that never arrived, in both directions together; 0 in virtual time.
     pub lost: u64,
     /// Number of datagrams that arrived after a newer datagram, in both directions together; 0 in virtual time.
@@ -303,6 +310,13 @@ impl DemoSummary {
                 self.lost, self.late
             ));
         }
+        if let Some(wait) = &self.wait_us {
+            lines.push(format!(
+                "tick wait     {} (of a pose for the server's tick)",
+                times(wait)
+            ));
+        }
+        lines.extend(self.way.iter().flat_map(NetworkSummary::lines));
         if let Some(network) = &self.network_us {
             lines.push(format!(
                 "network       {} (both ways, without the time at the server)",

@@ -30,7 +30,12 @@ impl Display {
     /// Returns the wrench to display in the next period for the wanted wrench `wanted`. `wanted` already contains the
     /// factor `gate` (0 to 1).
     pub fn next(&mut self, wanted: &Wrench, gate: f64) -> Wrench {
-        let plain = slewed(&self.displayed, wanted, &self.slew, self.period_ms);
+        self.next_in(wanted, gate, self.period_ms)
+    }
+
+    /// Returns the wrench to display as by [`Display::next`], with a slew limit for `ms` milliseconds.
+    pub fn next_in(&mut self, wanted: &Wrench, gate: f64, ms: f64) -> Wrench {
+        let plain = slewed(&self.displayed, wanted, &self.slew, ms);
         let damped = self.passivity.damped(wanted, gate);
         // The slew limit comes last, because the damping force must not arrive as a blow either. A wrench that only
         // decreases is no blow, and a slow decrease would push a fast hand along: a decrease passes at once.
@@ -39,10 +44,16 @@ impl Display {
         } else {
             let_go(&self.displayed, &damped)
         };
-        let displayed = slewed(&from, &damped, &self.slew, self.period_ms);
+        let displayed = slewed(&from, &damped, &self.slew, ms);
         self.passivity.hold(&displayed, &plain);
         self.displayed = displayed;
         displayed
+    }
+
+    /// Replaces the displayed wrench by `displayed`, which a later limit has reduced.
+    pub fn set(&mut self, displayed: &Wrench) {
+        self.passivity.hold(displayed, displayed);
+        self.displayed = *displayed;
     }
 
     /// Accounts for the work of the displayed wrench up to the hand pose `hand`, `periods` device periods later. `None`

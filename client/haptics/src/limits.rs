@@ -1,6 +1,6 @@
 //! Limits of the wrench at the hand, as the server's hello states them.
 
-use sulcus_core::math::norm;
+use sulcus_core::math::{fmax, norm};
 use sulcus_core::{Params, Vec3, Wrench};
 
 /// Largest wrench that the server sends; limits of the magnitudes of force and torque.
@@ -45,13 +45,15 @@ pub fn gated(sent: &Wrench, gate: f64, limits: &Limits) -> Wrench {
     }
 }
 
-/// Returns `v` with its length clamped to `most`, the direction unchanged.
+/// Returns `v` with its length clamped to `most`, the direction unchanged. A limit that is negative or not a number
+/// lets no force pass.
 fn clamped(v: &Vec3, most: f64) -> Vec3 {
     let length = norm(v);
-    if length > most {
-        v * (most / length)
-    } else {
+    // In this form a NaN is no limit to be within.
+    if length <= most {
         *v
+    } else {
+        v * (fmax(most, 0.0) / length)
     }
 }
 

@@ -45,6 +45,9 @@ pub struct PassivityParams {
     /// Damping of the device itself, N s/m. Default 0 (unknown device), range 0 to 100. It pays an excess while the
     /// device moves, and accumulates no credit. The true value spares the hand an unnecessary braking.
     pub device_damping: f64,
+    /// Smallest measured step of the hand's position, m. Default 0, range 0 to 1e-3. The work of a force over two steps
+    /// is unknown, so it is no excess: a force that answers to a single step swings with the encoder.
+    pub resolution: f64,
     /// Period of the device, s. Default 1e-3, range 1e-4 to 0.01.
     pub period_s: f64,
     /// Force below which a hand feels nothing, N; the torque is this times the lever. Default 1e-3, range 0 to 0.1.
@@ -66,6 +69,7 @@ impl Default for PassivityParams {
             take_up: 0.03,
             slack: 1e-7,
             device_damping: 0.0,
+            resolution: 0.0,
             period_s: 1e-3,
             quiet_force: 1e-3,
             forget_after: 0.1,
@@ -102,6 +106,7 @@ impl PassivityParams {
                 100.0,
                 "0 to 100",
             ),
+            ("resolution", self.resolution, 0.0, 1e-3, "0 to 0.001"),
             ("period_s", self.period_s, 1e-4, 0.01, "0.0001 to 0.01"),
             ("quiet_force", self.quiet_force, 0.0, 0.1, "0 to 0.1"),
             ("forget_after", self.forget_after, 1e-3, 10.0, "0.001 to 10"),
@@ -120,6 +125,9 @@ impl PassivityParams {
         Ok(())
     }
 }
+
+/// Share of [`PassivityParams::unfelt`] up to which an excess counts as paid.
+const PAID: f64 = 0.5;
 
 /// Sums of the observer and the controller.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -243,10 +251,12 @@ impl Passivity {
         let p = &self.params;
         let power = displayed.force.dot(&self.velocity) + displayed.torque.dot(&self.spin);
         let share_in = |time: f64| p.period_s / (p.period_s + time);
-        if power > 0.0 && self.debt + power * p.period_s > p.unfelt {
+        if power > 0.0 && self.debt + power * p.period_s > p.unfelt + self.unknown(displayed) {
             return self.share * (1.0 - share_in(p.let_go));
         }
-        if self.debt > p.unfelt || self.share == 1.0 {
+        // The return does work by itself. Without a distance between the two excesses the wrench would fall and return
+        // in turn: a swing of 0.09 N at 20 Hz in a firm hand.
+        if self.debt > p.unfelt * PAID || self.share == 1.0 {
             return self.share;
         }
         let next = self.share + (1.0 - self.share) * share_in(p.take_up);
@@ -261,7 +271,7 @@ impl Passivity {
         let power = excess / p.period_s;
         // Below a nanometre per period the quotient is noise.
         let moves = speed_squared > 1e-12;
-        if !moves || excess <= p.slack || gate <= 0.0 {
+        if !moves || excess <= p.slack + self.unknown(wanted) || gate <= 0.0 {
             return *wanted;
         }
         let damping = fmin(power / speed_squared, p.max_damping) * gate;
@@ -317,6 +327,11 @@ impl Passivity {
     /// Sums so far.
     pub fn energy(&self) -> Energy {
         self.energy
+    }
+
+    /// Work of `wrench` over two steps of the measured position, joules.
+    fn unknown(&self, wrench: &Wrench) -> f64 {
+        2.0 * self.params.resolution * norm(&wrench.force)
     }
 
     fn speed_squared(&self) -> f64 {

@@ -9,7 +9,7 @@ use winit::keyboard::{Key as WindowKey, KeyCode, PhysicalKey};
 use crate::camera::Camera;
 use crate::hand::keys::Control;
 use crate::hand::pad::PadEvent;
-use crate::hand::spacenav::{CapRule, Event, Socket};
+use crate::hand::spacenav::{CapRule, Event};
 use crate::hand::{Board, Frame, Motion, Shared};
 use crate::handed::Handed;
 use crate::readings::{Foot, Key, MouseSwitch, Switch};
@@ -29,18 +29,25 @@ struct Cap {
 
 /// Way of a 3D mouse into the program.
 enum Source {
-    Daemon(Socket),
+    #[cfg(unix)]
+    Daemon(crate::hand::spacenav::Socket),
     #[cfg(feature = "hid")]
     Hid(crate::hand::spacenav::Hid),
+    #[cfg(not(any(unix, feature = "hid")))]
+    None(std::convert::Infallible),
 }
 
 impl Source {
     /// 3D mouse of spacenavd if it runs, else the first one that the system lets this program read.
     fn find() -> Option<Self> {
-        let path = crate::hand::spacenav::path(std::env::var_os("SPNAV_SOCKET").as_deref());
-        if let Ok(socket) = Socket::connect(&path) {
-            tracing::info!("3D mouse by spacenavd");
-            return Some(Self::Daemon(socket));
+        #[cfg(unix)]
+        {
+            use crate::hand::spacenav::{Socket, path};
+            let path = path(std::env::var_os("SPNAV_SOCKET").as_deref());
+            if let Ok(socket) = Socket::connect(&path) {
+                tracing::info!("3D mouse by spacenavd");
+                return Some(Self::Daemon(socket));
+            }
         }
         #[cfg(feature = "hid")]
         if let Some(hid) = crate::hand::spacenav::Hid::open() {
@@ -52,9 +59,12 @@ impl Source {
 
     fn events(&mut self) -> Result<Vec<Event>, String> {
         match self {
+            #[cfg(unix)]
             Self::Daemon(socket) => socket.events().map_err(|lost| lost.to_string()),
             #[cfg(feature = "hid")]
             Self::Hid(hid) => hid.events(),
+            #[cfg(not(any(unix, feature = "hid")))]
+            Self::None(never) => match *never {},
         }
     }
 }

@@ -16,6 +16,8 @@ pub mod depth;
 pub mod error;
 pub mod eye;
 pub mod first;
+#[cfg(feature = "window")]
+pub mod ghost;
 #[cfg(all(feature = "window", target_os = "linux"))]
 mod gone;
 #[cfg(feature = "gpu")]

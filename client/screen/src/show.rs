@@ -2,12 +2,13 @@
 
 use std::sync::Arc;
 
+use sulcus_proto::TOOLS;
 use sulcus_proto::display::{DisplayScene, SceneHash};
 
 use crate::camera::Vector;
 use crate::hand::Shared;
 use crate::head::Head;
-use crate::moment::Moment;
+use crate::moment::{Moment, ToolAt};
 use crate::panel::{Detail, PanelState, Primitive};
 use crate::readings::Key;
 use crate::views::View;
@@ -32,6 +33,11 @@ pub trait Show {
     /// Place to which the picture points, mm. Without one the picture points at the site to be read.
     fn mark(&mut self) -> Option<Vector> {
         None
+    }
+
+    /// Ghosts of the tools, drawn see-through over the picture; `None` for a tool without one.
+    fn ghosts(&mut self) -> [Option<ToolAt>; TOOLS] {
+        [None; TOOLS]
     }
 
     /// Takes an act of the person at the window.
@@ -96,6 +102,8 @@ pub enum Act {
     Panel(bool),
     /// Blood wiped away.
     Wipe,
+    /// Start of the force of a haptic device, in place of a button of the device.
+    StartForce,
 }
 
 impl Act {
@@ -103,7 +111,7 @@ impl Act {
     pub fn event(&self) -> Option<(&'static str, String)> {
         let rounded = |x: f64| (x * 1e4).round() / 1e4;
         let data = match self {
-            Self::Reading(_) | Self::Pause => return None,
+            Self::Reading(_) | Self::Pause | Self::StartForce => return None,
             Self::View(view) => serde_json::json!({ "view": view.name() }),
             Self::Camera { turn, tilt, zoom } => serde_json::json!({
                 "turn_rad": rounded(*turn), "tilt_rad": rounded(*tilt), "zoom": rounded(*zoom)

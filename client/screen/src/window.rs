@@ -18,6 +18,7 @@ use winit::window::{CursorGrabMode, Fullscreen, Window, WindowId};
 use crate::depth::millimetres;
 use crate::error::ScreenError;
 use crate::eye::Eye;
+use crate::ghost::Ghost;
 use crate::gpu::{Drawing, Screen};
 use crate::hand::keys::Control;
 use crate::hand::pad::PadEvent;
@@ -394,6 +395,13 @@ impl Application {
             }
             list.extend(layout(&state, [width, height], scale, &ENGLISH).list);
         }
+        let ghosts = self.show.ghosts();
+        for (tool, at) in scene.tools.iter().zip(&ghosts) {
+            if let Some(at) = at {
+                let ghost = Ghost::of(tool);
+                list.splice(0..0, ghost.draw(&camera.pass(), at, [width, height], scale));
+            }
+        }
         let mut drawing = Drawing::through(camera);
         (drawing.fog, drawing.scratches) = self.settings.glass.looks();
         let [right, up, _] = camera.axes();
@@ -496,6 +504,7 @@ impl Application {
                 self.has_panel = !self.has_panel;
                 self.show.act(Act::Panel(self.has_panel));
             }
+            WindowKey::Named(NamedKey::F8) => self.show.act(Act::StartForce),
             WindowKey::Named(NamedKey::Escape) => self.show.act(Act::Pause),
             WindowKey::Named(NamedKey::Home) => {
                 self.eye.choose(self.eye.view);

@@ -2,12 +2,15 @@
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use sulcus_connection::device::{DeviceEvent, Glance};
 use sulcus_connection::display::{Cache, DisplayLink};
 use sulcus_connection::link::{LinkError, now_ns};
+use sulcus_core::MAX_TOOLS;
 use sulcus_core::math::norm;
+use sulcus_haptics::Stage;
+use sulcus_proto::TOOLS;
 use sulcus_proto::control::Command;
 use sulcus_proto::display::{DisplayScene, SceneHash};
 use sulcus_screen::depth;
@@ -28,6 +31,8 @@ use super::{Facts, Helpers, Seated};
 
 /// Time without a pass of the device's loop after which the link counts as lost, nanoseconds.
 const SILENT_NS: u64 = 1_000_000_000;
+/// Time for which a message of an instructor is shown.
+const MESSAGE: Duration = Duration::from_secs(30);
 
 /// Session behind a window.
 pub struct Live {
@@ -46,6 +51,8 @@ pub struct Live {
     tick: u64,
     /// Depth that the bands show, mm.
     depth_mm: Option<f64>,
+    /// Newest message of an instructor, with the time of its arrival.
+    message: Option<(String, Instant)>,
 }
 
 impl Live {
@@ -81,6 +88,7 @@ impl Live {
             wiped: 0,
             tick: 0,
             depth_mm: None,
+            message: None,
             facts,
             eyes,
             hands,
@@ -112,6 +120,15 @@ impl Live {
         voice.follow(text.as_deref(), Instant::now());
     }
 
+    /// Newest message of an instructor, as long as it is shown.
+    fn message(&mut self) -> Option<String> {
+        while let Ok(text) = self.eyes.texts.pop() {
+            self.message = Some((text, Instant::now()));
+        }
+        self.message.take_if(|(_, since)| since.elapsed() > MESSAGE);
+        self.message.as_ref().map(|(text, _)| text.clone())
+    }
+
     fn status(&self, glance: Option<&Glance>) -> Status {
         let is_live =
             glance.is_some_and(|glance| now_ns().saturating_sub(glance.now_ns) < SILENT_NS);
@@ -128,6 +145,12 @@ impl Live {
         // Neither device displays a force.
         if ["simulated", on_screen::NAME].contains(&&*self.facts.device) {
             warnings.push(Warning::NoForce(self.facts.device.clone()));
+        }
+        let stages = glance.map_or([None; MAX_TOOLS], |glance| glance.stages);
+        for (tool, stage) in self.facts.tools.iter().zip(stages) {
+            if let Some(stage) = stage.filter(|stage| *stage != Stage::Live) {
+                warnings.push(Warning::Other(format!("{tool}: {stage}")));
+            }
         }
         if let Some(trouble) = self.display.trouble() {
             warnings.push(Warning::Other(trouble));
@@ -146,6 +169,7 @@ impl Live {
             paused_by_station: levels.paused_by_station,
             force_limit_n: (limit > 0.0).then_some(f64::from(limit)),
             person: Some(self.person),
+            message: None,
             warnings,
         }
     }
@@ -218,7 +242,10 @@ impl Show for Live {
                 .readings
                 .as_ref()
                 .map(|readings| Tour::of(readings, self.wrong)),
-            status: self.status(glance.as_ref()),
+            status: Status {
+                message: self.message(),
+                ..self.status(glance.as_ref())
+            },
             help: Help {
                 title: self.facts.title.clone(),
                 task: self.facts.task.clone(),
@@ -229,6 +256,13 @@ impl Show for Live {
         };
         self.speak(&state);
         state
+    }
+
+    fn ghosts(&mut self) -> [Option<ToolAt>; TOOLS] {
+        let ghosts = self
+            .glance()
+            .map_or([None; MAX_TOOLS], |glance| glance.ghost);
+        ghosts.map(|pose| pose.map(|pose| ToolAt::new(true, &wire(&pose))))
     }
 
     fn act(&mut self, act: Act) {
@@ -262,6 +296,9 @@ impl Show for Live {
                 let _ = self.eyes.commands.push(command);
             }
             Act::Wipe => self.wiped = self.tick,
+            Act::StartForce => {
+                self.eyes.starts.fetch_add(1, Ordering::Relaxed);
+            }
             Act::View(_) | Act::Camera { .. } | Act::Head(_) | Act::Panel(_) => {}
         }
     }

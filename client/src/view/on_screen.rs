@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use sulcus_connection::device::EventDevice;
 use sulcus_core::math::norm;
 use sulcus_core::{MAX_TOOLS, Pose, RawPose, ToolInput};
-use sulcus_haptics::{Device, Shown};
+use sulcus_haptics::{HandSource, Shown};
 use sulcus_proto::TOOLS;
 use sulcus_proto::control::ServerHello;
 use sulcus_proto::datagram::WirePose;
@@ -56,8 +56,8 @@ impl OnScreen {
         let guide = |k: usize| {
             let tool = hello.tools.get(k);
             let coupling = Coupling {
-                stiffness_n_per_m: tool.map_or(500.0, |tool| f64::from(tool.stiffness_n_per_m)),
-                stiffness_nm_per_rad: tool.map_or(0.5, |tool| f64::from(tool.stiffness_nm_per_rad)),
+                stiffness_n_per_m: tool.map_or(500.0, |tool| tool.stiffness_n_per_m),
+                stiffness_nm_per_rad: tool.map_or(0.5, |tool| tool.stiffness_nm_per_rad),
             };
             // The first tool is the one that reads.
             let force_n = force_n.filter(|_| k == 0).unwrap_or(FORCE_N);
@@ -70,7 +70,7 @@ impl OnScreen {
     }
 }
 
-impl Device for OnScreen {
+impl HandSource for OnScreen {
     fn name(&self) -> &str {
         NAME
     }

@@ -11,9 +11,10 @@ use std::time::Instant;
 use sulcus_connection::interrupt;
 use sulcus_demo::seat::Ending;
 use sulcus_program::tell;
+use sulcus_proto::TOOLS;
 use sulcus_proto::display::{DisplayScene, SceneHash};
 use sulcus_screen::hand::Shared;
-use sulcus_screen::moment::Moment;
+use sulcus_screen::moment::{Moment, ToolAt};
 use sulcus_screen::panel::{self, Detail, End, PanelState, Primitive};
 use sulcus_screen::show::{Act, Show, Wanted};
 use sulcus_screen::strings::ENGLISH;
@@ -171,6 +172,13 @@ impl Show for Staying {
     fn overlay(&mut self, window: [u32; 2], scale: f32) -> Option<Vec<Primitive>> {
         let page = self.page.as_ref()?;
         Some(panel::end(&page.end, window, scale, &ENGLISH).list)
+    }
+
+    fn ghosts(&mut self) -> [Option<ToolAt>; TOOLS] {
+        if self.page.is_some() {
+            return [None; TOOLS];
+        }
+        self.live.ghosts()
     }
 
     fn act(&mut self, act: Act) {

@@ -1,8 +1,12 @@
 //! Device that a window watches.
 
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU32, Ordering};
+
 use sulcus_connection::device::{DeviceEvent, EventDevice, Glance};
 use sulcus_core::{MAX_TOOLS, ToolInput};
-use sulcus_haptics::{Device, Shown};
+use sulcus_haptics::guide::Guide;
+use sulcus_haptics::{HandSource, Merger, Shown};
 use sulcus_proto::control::Command;
 use triple_buffer::{Input, Output, triple_buffer};
 
@@ -15,6 +19,10 @@ pub struct Watched {
     glances: Input<Option<Glance>>,
     events: rtrb::Consumer<DeviceEvent>,
     commands: rtrb::Consumer<Command>,
+    texts: rtrb::Producer<String>,
+    /// Number of requests for the start of the force, and of those taken.
+    starts: Arc<AtomicU32>,
+    started: u32,
 }
 
 /// Window's end of a watched device. No function waits.
@@ -25,6 +33,10 @@ pub struct Eyes {
     pub events: rtrb::Producer<DeviceEvent>,
     /// Commands of the student.
     pub commands: rtrb::Producer<Command>,
+    /// Messages of an instructor.
+    pub texts: rtrb::Consumer<String>,
+    /// Number of requests for the start of the force.
+    pub starts: Arc<AtomicU32>,
 }
 
 impl Watched {
@@ -33,22 +45,28 @@ impl Watched {
         let (glances_in, glances) = triple_buffer(&None);
         let (events_in, events) = rtrb::RingBuffer::new(WAITING);
         let (commands_in, commands) = rtrb::RingBuffer::new(WAITING);
+        let (texts, texts_out) = rtrb::RingBuffer::new(WAITING);
         let watched = Self {
             device,
             glances: glances_in,
             events,
             commands,
+            texts,
+            starts: Arc::default(),
+            started: 0,
         };
         let eyes = Eyes {
             glances,
             events: events_in,
             commands: commands_in,
+            texts: texts_out,
+            starts: watched.starts.clone(),
         };
         (watched, eyes)
     }
 }
 
-impl Device for Watched {
+impl HandSource for Watched {
     fn name(&self) -> &str {
         self.device.name()
     }
@@ -76,5 +94,25 @@ impl EventDevice for Watched {
     fn glance(&mut self, glance: &Glance) {
         self.device.glance(glance);
         self.glances.write(Some(*glance));
+    }
+
+    fn hear(&mut self, text: &str) {
+        self.device.hear(text);
+        // The ring is full only if the window hangs.
+        let _ = self.texts.push(text.to_owned());
+    }
+
+    fn threaded(&mut self) -> Option<&mut Merger> {
+        let starts = self.starts.load(Ordering::Relaxed);
+        let is_new = std::mem::replace(&mut self.started, starts) != starts;
+        let merger = self.device.threaded()?;
+        if is_new {
+            (0..MAX_TOOLS).for_each(|slot| merger.press(slot));
+        }
+        Some(merger)
+    }
+
+    fn guide(&mut self) -> Option<&mut Guide> {
+        self.device.guide()
     }
 }

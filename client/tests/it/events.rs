@@ -17,7 +17,7 @@ use sulcus_core::{
 use sulcus_demo::calls::{Called, event};
 use sulcus_demo::exercise::{self, Asked, Prepared};
 use sulcus_demo::{check, lockstep};
-use sulcus_haptics::Device;
+use sulcus_haptics::HandSource;
 use sulcus_operator::{Operator, Shown};
 use sulcus_scene::BuiltIn;
 use sulcus_server::{SessionPlan, StationConfig};
@@ -112,7 +112,7 @@ fn a_session_in_virtual_time_tells_what_its_replay_tells() {
 /// The simulated operator, who calls a depth now and then.
 struct Calling(Operator, u32);
 
-impl Device for Calling {
+impl HandSource for Calling {
     fn name(&self) -> &str {
         "calling"
     }
@@ -162,7 +162,7 @@ fn a_live_session_tells_what_its_replay_tells_and_keeps_what_was_called() {
     ))
     .unwrap();
     let device = Calling(prepared.operator, 0);
-    let ran = perform(link, device, prepared.ticks, None, &Steps).unwrap();
+    let ran = perform(link, device, prepared.ticks, None, None, &Steps).unwrap();
     let summary = ran.goodbye.unwrap().summary;
     server.shutdown();
     server.join().unwrap();

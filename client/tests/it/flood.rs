@@ -199,7 +199,7 @@ pub fn fuzz(count: u64, seed: u64, flat: bool) {
     .unwrap();
     sound.start();
     press(&mut sound, |link, _| force_up(link) > 0.4);
-    let before = memory_kib();
+    let mut before = memory_kib();
     let mut sent = 0;
     runtime().block_on(async {
         while sent < count {
@@ -237,11 +237,15 @@ pub fn fuzz(count: u64, seed: u64, flat: bool) {
             let _ = raw.send.write_all(&bytes).await;
             let _ = raw.send.finish();
             while raw.hear_for(Duration::from_millis(100)).await.is_some() {}
+            // The first session of the attacked station has taken its buffers, 9 MiB, for all later ones.
+            if sent <= 3000 {
+                before = memory_kib();
+            }
         }
     });
     let grown = memory_kib().saturating_sub(before);
     println!("{sent} datagrams, memory grew by {grown} KiB");
-    assert!(!flat || grown < 16 * 1024, "{grown} KiB");
+    assert!(!flat || grown < 12 * 1024, "{grown} KiB");
     let summary = sound.finish().unwrap();
     assert!(summary.complete, "{summary:?}");
 }

@@ -308,7 +308,7 @@ fn strangers_are_told_why() {
     );
 
     let mut device = station.config();
-    device.device.name = "x".repeat(1000);
+    device.devices[1].name = "x".repeat(1000);
     assert!(matches!(
         Link::connect(device).err(),
         Some(LinkError::Refused(_))

@@ -9,7 +9,9 @@ use crate::common::raw::Raw;
 use crate::common::{Station, force_up, press, press_on, status_of};
 use sulcus_connection::instructor::{Heard, Instructor};
 use sulcus_connection::link::{Link, LinkConfig, LinkError};
-use sulcus_proto::control::{ButtonEdge, Command, Event, InputBatch, Instruct, Instruction, Show};
+use sulcus_proto::control::{
+    ButtonEdge, Command, Event, InputBatch, Instruct, Instruction, LastTick, Show,
+};
 use sulcus_proto::permission::{self, Kind, may};
 use sulcus_proto::station::Phase;
 use sulcus_proto::{ClientMessage, PoseDatagram, Role, ServerMessage, status};
@@ -114,8 +116,11 @@ fn every_message(station: &str) -> Vec<ClientMessage> {
         }),
         ClientMessage::Inputs(InputBatch {
             first_tick: 1,
+            hash: 0,
+            commands: 0,
             rows: vec![1, 2, 3],
         }),
+        ClientMessage::LastTick(LastTick { tick: 1, hash: 0 }),
         ClientMessage::Show(Show::default()),
         ClientMessage::Watch,
         instruct(Instruction::Pause),
@@ -124,6 +129,7 @@ fn every_message(station: &str) -> Vec<ClientMessage> {
         instruct(Instruction::Note("a note".into())),
         instruct(Instruction::Flag(String::new())),
         instruct(Instruction::Say("slowly".into())),
+        instruct(Instruction::Ghost(String::new())),
         instruct(Instruction::Plan("exercise = \"free\"".into())),
         instruct(Instruction::End),
         ClientMessage::Stop,

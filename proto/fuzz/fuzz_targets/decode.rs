@@ -4,6 +4,7 @@
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
+use sulcus_proto::at_hand::Unpacker;
 use sulcus_proto::display::{DisplayFrame, DisplayScene};
 use sulcus_proto::{ClientMessage, PoseDatagram, ServerMessage, WrenchDatagram, frame};
 
@@ -20,6 +21,8 @@ fuzz_target!(|bytes: &[u8]| {
     if let Ok(scene) = DisplayScene::from_bytes(bytes) {
         assert_eq!(scene.to_bytes().expect("encodes"), bytes);
     }
+    // Rows have several forms in bytes.
+    let _ = Unpacker::default().unpack(bytes);
     if let Ok(message) = frame::decode::<ClientMessage>(bytes) {
         assert_eq!(
             &frame::encode(&message).expect("encodes")[frame::LENGTH_BYTES..],

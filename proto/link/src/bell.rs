@@ -1,49 +1,53 @@
 //! Wake-up of a network thread by a real-time thread.
+//!
+//! On Linux a ring is one system call, which never blocks. Elsewhere a ring wakes the task through tokio and can wait
+//! for a lock that the listener holds for an instant.
 
-use std::os::fd::OwnedFd;
-use std::sync::Arc;
+#[cfg(target_os = "linux")]
+mod linux;
+#[cfg(any(test, not(target_os = "linux")))]
+mod portable;
 
-use rustix::event::{EventfdFlags, eventfd};
-use tokio::io::Interest;
-use tokio::io::unix::AsyncFd;
+#[cfg(target_os = "linux")]
+pub use linux::{Bell, Listening};
+#[cfg(not(target_os = "linux"))]
+pub use portable::{Bell, Listening};
 
-/// An eventfd: rung by any thread, awaited by a tokio task.
-#[derive(Clone, Debug)]
-pub struct Bell(Arc<OwnedFd>);
+#[cfg(test)]
+mod tests {
+    use std::time::Duration;
 
-impl Bell {
-    /// Opens a silent bell.
-    ///
-    /// # Errors
-    /// The process has no descriptor left.
-    pub fn new() -> std::io::Result<Self> {
-        Ok(Self(Arc::new(eventfd(
-            0,
-            EventfdFlags::NONBLOCK | EventfdFlags::CLOEXEC,
-        )?)))
+    use tokio::time::timeout;
+
+    macro_rules! rings {
+        ($name:ident, $bell:ty) => {
+            #[tokio::test]
+            async fn $name() {
+                let bell = <$bell>::new().expect("a bell");
+                let mut listening = bell.listen().expect("registered");
+                let soon = Duration::from_millis(20);
+                assert!(timeout(soon, listening.rung()).await.is_err(), "silent");
+                // Rings before the listener waits count once.
+                bell.ring();
+                bell.ring();
+                assert!(timeout(soon, listening.rung()).await.is_ok());
+                assert!(timeout(soon, listening.rung()).await.is_err(), "silent");
+                let other = bell.clone();
+                let ringing = std::thread::spawn(move || {
+                    std::thread::sleep(Duration::from_millis(5));
+                    other.ring();
+                });
+                assert!(
+                    timeout(Duration::from_secs(5), listening.rung())
+                        .await
+                        .is_ok()
+                );
+                ringing.join().expect("rung");
+            }
+        };
     }
 
-    /// Wakes the listener by one system call, which never blocks.
-    pub fn ring(&self) {
-        // Fails after 2^64 - 2 unread rings only.
-        let _ = rustix::io::write(&*self.0, &1u64.to_ne_bytes());
-    }
-
-    /// Clears all rings so far.
-    pub fn silence(&self) {
-        // An error means that the counter is zero already.
-        let _ = rustix::io::read(&*self.0, &mut [0u8; 8]);
-    }
-
-    /// Returns a descriptor that becomes readable with the next ring. Needs a tokio runtime.
-    ///
-    /// # Errors
-    /// The process has no descriptor left.
-    pub fn listen(&self) -> std::io::Result<AsyncFd<OwnedFd>> {
-        let descriptor = self.0.try_clone()?;
-        // Readable only: an eventfd is always writable, which would wake the task for nothing.
-        // SAFETY: the descriptor is open, and owned by the `AsyncFd` until that is dropped.
-        unsafe { AsyncFd::register_with_interest(descriptor, Interest::READABLE) }
-            .map_err(Into::into)
-    }
+    #[cfg(target_os = "linux")]
+    rings!(a_ring_wakes_once_on_linux, super::linux::Bell);
+    rings!(a_ring_wakes_once_elsewhere, super::portable::Bell);
 }

@@ -1,37 +1,28 @@
 //! Clocks of the system and the absolute sleep. Every deadline, age and device time is of the monotonic clock.
+//!
+//! Systems other than Linux have no absolute sleep and no common clock for the CPU time of a thread: the sleep is as
+//! exact as that of the standard library, and the CPU time is the monotonic time.
 
-use rustix::thread::{ClockId, clock_nanosleep_absolute};
-use rustix::time::{ClockId as Clock, Timespec, clock_gettime};
+use std::time::SystemTime;
 
-const NS_PER_S: u64 = 1_000_000_000;
+#[cfg(target_os = "linux")]
+mod linux;
+#[cfg(any(test, not(target_os = "linux")))]
+mod portable;
 
-/// CLOCK_MONOTONIC, nanoseconds.
-pub fn monotonic_ns() -> u64 {
-    nanoseconds(clock_gettime(Clock::Monotonic))
-}
+#[cfg(target_os = "linux")]
+pub use linux::{monotonic_ns, sleep_until, thread_cpu_ns};
+#[cfg(not(target_os = "linux"))]
+pub use portable::{monotonic_ns, sleep_until, thread_cpu_ns};
 
-/// CPU time of the calling thread, nanoseconds.
-pub fn thread_cpu_ns() -> u64 {
-    nanoseconds(clock_gettime(Clock::ThreadCPUTime))
-}
-
-/// Time since 1970, UTC, nanoseconds.
+/// Time since 1970, UTC, nanoseconds; 0 for a clock before 1970.
+///
+/// The time is that of the standard library, which the tests of a wrong clock can shift.
 pub fn unix_ns() -> u64 {
-    nanoseconds(clock_gettime(Clock::Realtime))
-}
-
-/// Sleeps until CLOCK_MONOTONIC reads `deadline_ns`. Returns at once for a deadline in the past.
-pub fn sleep_until(deadline_ns: u64) {
-    let deadline = Timespec {
-        tv_sec: (deadline_ns / NS_PER_S) as i64,
-        tv_nsec: (deadline_ns % NS_PER_S) as i64,
-    };
-    // Only a signal ends the sleep early: clock and time are valid.
-    while clock_nanosleep_absolute(ClockId::Monotonic, &deadline) == Err(rustix::io::Errno::INTR) {}
-}
-
-fn nanoseconds(time: Timespec) -> u64 {
-    (time.tv_sec.max(0) as u64) * NS_PER_S + time.tv_nsec.max(0) as u64
+    let since = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH);
+    since.map_or(0, |since| {
+        u64::try_from(since.as_nanos()).unwrap_or(u64::MAX)
+    })
 }
 
 #[cfg(test)]
@@ -44,5 +35,15 @@ mod tests {
         sleep_until(deadline);
         assert!(monotonic_ns() >= deadline);
         sleep_until(0);
+    }
+
+    #[test]
+    fn the_portable_clock_keeps_the_same_promises() {
+        let deadline = portable::monotonic_ns() + 2_000_000;
+        portable::sleep_until(deadline);
+        assert!(portable::monotonic_ns() >= deadline);
+        portable::sleep_until(0);
+        let before = portable::thread_cpu_ns();
+        assert!(portable::thread_cpu_ns() >= before);
     }
 }

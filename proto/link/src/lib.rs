@@ -3,6 +3,7 @@
 //! - [`quic`]: transport settings
 //! - [`bulk`]: transport settings of a connection for displays
 //! - [`control`]: framed control stream
+//! - [`ladder`]: rate of datagrams by the quality of the path
 //! - [`Bell`]: wake-up of a network thread
 //! - [`clock`]: monotonic clock and absolute sleep
 //! - [`mod@schedule`]: real-time scheduling
@@ -15,6 +16,7 @@ pub mod bell;
 pub mod bulk;
 pub mod clock;
 pub mod control;
+pub mod ladder;
 pub mod quic;
 pub mod schedule;
 pub mod times;

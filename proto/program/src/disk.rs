@@ -22,7 +22,7 @@ pub fn advice(error: &Error) -> &'static str {
     }
 }
 
-#[cfg(test)]
+#[cfg(all(test, unix))]
 mod tests {
     use super::*;
 

@@ -22,8 +22,9 @@ pub use progress::ProgressLines;
 /// Ignores SIGXFSZ in this process; the first call of every program.
 ///
 /// A write beyond a file-size limit (`ulimit -f`) then fails with `EFBIG`. The default action of the signal kills the
-/// process.
+/// process. Systems without the signal need nothing.
 pub fn begin() {
+    #[cfg(unix)]
     // SAFETY: ignoring a signal installs no handler and touches no memory of this process.
     unsafe {
         libc::signal(libc::SIGXFSZ, libc::SIG_IGN);

@@ -2,12 +2,13 @@
 
 use proptest::prelude::*;
 use sulcus_proto::datagram::{Echo, ToolPose, ToolWrench, WireLevels, WirePose, WireWrench};
+use sulcus_proto::reception::Reception;
 use sulcus_proto::{CodecError, PROTOCOL_VERSION, PoseDatagram, WrenchDatagram, limits};
 
 #[test]
 fn sizes_are_fixed_and_small() {
-    assert_eq!(PoseDatagram::BYTES, 152);
-    assert_eq!(WrenchDatagram::BYTES, 166);
+    assert_eq!(PoseDatagram::BYTES, 163);
+    assert_eq!(WrenchDatagram::BYTES, 181);
     assert_eq!(
         PoseDatagram::default().to_bytes().expect("encodes").len(),
         PoseDatagram::BYTES
@@ -17,8 +18,8 @@ fn sizes_are_fixed_and_small() {
         WrenchDatagram::BYTES
     );
     // A send buffer holds four datagrams, four milliseconds at 1 kHz.
-    assert_eq!(limits::POSE_SEND_BUFFER, 736);
-    assert_eq!(limits::WRENCH_SEND_BUFFER, 792);
+    assert_eq!(limits::POSE_SEND_BUFFER, 780);
+    assert_eq!(limits::WRENCH_SEND_BUFFER, 852);
 }
 
 #[test]
@@ -48,6 +49,7 @@ fn the_layout_is_the_published_one() {
         paused_by_station: true,
         paused_by_student: false,
         force_limit_n: 1.0,
+        commands: 0x0b0a,
     };
     let wrench = WrenchDatagram {
         tick: 9,
@@ -58,6 +60,7 @@ fn the_layout_is_the_published_one() {
     assert_eq!((bytes[1], bytes[10]), (WrenchDatagram::KIND, 9));
     assert_eq!(bytes[18..20], [1, 0]);
     assert_eq!(bytes[20..24], 1f32.to_le_bytes());
+    assert_eq!(bytes[24..28], [0x0a, 0x0b, 0, 0]);
 }
 
 #[test]
@@ -105,7 +108,7 @@ fn a_wrench_that_could_hurt_is_refused_on_both_sides() {
     assert_eq!(bad.to_bytes(), Err(CodecError::NotFinite("a wrench")));
     let mut bytes = WrenchDatagram::default().to_bytes().expect("encodes");
     // The first force component of the first tool follows prefix, epoch, sequence, tick and levels.
-    bytes[24..28].copy_from_slice(&f32::INFINITY.to_le_bytes());
+    bytes[28..32].copy_from_slice(&f32::INFINITY.to_le_bytes());
     assert_eq!(
         WrenchDatagram::from_bytes(&bytes),
         Err(CodecError::NotFinite("a wrench"))
@@ -154,13 +157,17 @@ fn pose() -> impl Strategy<Value = WirePose> {
 }
 
 fn echo() -> impl Strategy<Value = Echo> {
-    any::<Option<(u32, u64, u32)>>().prop_map(|some| {
-        some.map_or_else(Echo::default, |(sequence, device_time_ns, hold_us)| Echo {
-            valid: true,
-            sequence,
-            device_time_ns,
-            hold_us,
-        })
+    any::<Option<(u32, u64, u32, u32)>>().prop_map(|some| {
+        some.map_or_else(
+            Echo::default,
+            |(sequence, device_time_ns, hold_us, wait_us)| Echo {
+                valid: true,
+                sequence,
+                device_time_ns,
+                hold_us,
+                wait_us,
+            },
+        )
     })
 }
 
@@ -183,8 +190,14 @@ prop_compose! {
 }
 
 prop_compose! {
-    fn levels()(paused in any::<[bool; 2]>(), force_limit_n in 0f32..50.0) -> WireLevels {
-        WireLevels { paused_by_station: paused[0], paused_by_student: paused[1], force_limit_n }
+    fn reception()(lost in any::<u8>(), queue_100us in any::<u16>()) -> Reception {
+        Reception { lost, queue_100us }
+    }
+}
+
+prop_compose! {
+    fn levels()(paused in any::<[bool; 2]>(), force_limit_n in 0f32..50.0, commands in any::<u32>()) -> WireLevels {
+        WireLevels { paused_by_station: paused[0], paused_by_student: paused[1], force_limit_n, commands }
     }
 }
 
@@ -215,17 +228,18 @@ proptest! {
     #[test]
     fn wrenches_survive(
         epoch in any::<u32>(), sequence in any::<u32>(), tick in any::<u64>(), levels in levels(),
-        tools in prop::array::uniform2(tool_wrench()),
+        tools in prop::array::uniform2(tool_wrench()), reception in reception(),
     ) {
-        let sent = WrenchDatagram { epoch, sequence, tick, levels, tools };
+        let sent = WrenchDatagram { epoch, sequence, tick, levels, tools, reception };
         prop_assert_eq!(WrenchDatagram::from_bytes(&sent.to_bytes().expect("encodes")), Ok(sent));
     }
 
     #[test]
     fn poses_survive(
         epoch in any::<u32>(), sequence in any::<u32>(), tools in prop::array::uniform2(tool_pose()),
+        reception in reception(),
     ) {
-        let sent = PoseDatagram { epoch, sequence, tools };
+        let sent = PoseDatagram { epoch, sequence, tools, reception, tick: u64::from(epoch) << 7 };
         prop_assert_eq!(PoseDatagram::from_bytes(&sent.to_bytes().expect("encodes")), Ok(sent));
     }
 }

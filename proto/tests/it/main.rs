@@ -3,3 +3,4 @@
 mod control;
 mod datagrams;
 mod display;
+mod live;

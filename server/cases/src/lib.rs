@@ -7,6 +7,7 @@ mod bearing;
 pub mod bounded;
 pub mod chart;
 pub mod comparison;
+pub mod device_loop;
 pub mod fuzz;
 pub mod inside;
 pub mod linked;

@@ -110,7 +110,7 @@ pub use math::{Pose, Quat, Vec3, Wrench};
 pub use output::{TickOutput, ToolOutput};
 pub use scene::params::Params;
 pub use scene::skin::DisplaySkin;
-pub use scene::{DisplayMesh, Object, Scene, SceneError, Tool};
+pub use scene::{Coupling, DisplayMesh, Object, Scene, SceneError, Tool};
 pub use self_test::self_test;
 pub use state::State;
 pub use tick::stage::{NoProbe, Stage, StageProbe};

@@ -11,3 +11,5 @@ mod page;
 mod picture;
 mod report;
 mod tissue;
+
+pub use picture::{mouth_picture, mouth_sides};

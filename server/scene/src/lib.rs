@@ -28,3 +28,4 @@ pub use cache::default_cache_dir;
 pub use compile::built_in::{BuiltIn, NotBuiltIn, compile_built_in, compile_default};
 pub use compile::{BuildError, BuildOptions, Compiled, compile_file, compile_text};
 pub use mesh::solid::{Solid, SolidError, read_solid};
+pub use parallel::limit_threads;

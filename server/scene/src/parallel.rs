@@ -7,11 +7,20 @@ pub(crate) fn map<T: Send>(count: usize, work: impl Fn(usize) -> T + Sync) -> Ve
     map_on(threads(), count, work)
 }
 
+/// Largest number of threads.
+static MOST: AtomicUsize = AtomicUsize::new(8);
+
+/// Sets the largest number of threads of all compilations of this process, 1 to 8. A program beside a station that runs
+/// takes one.
+pub fn limit_threads(most: usize) {
+    MOST.store(most.clamp(1, 8), Ordering::Relaxed);
+}
+
 /// Returns the number of threads.
 pub(crate) fn threads() -> usize {
     std::thread::available_parallelism()
         .map_or(1, |n| n.get())
-        .min(8)
+        .min(MOST.load(Ordering::Relaxed))
 }
 
 /// Returns [`map`] on this number of threads.

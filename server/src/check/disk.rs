@@ -3,14 +3,11 @@
 use std::path::{Path, PathBuf};
 
 use sulcus_program::PathText;
+use sulcus_sessions::ViewersPolicy;
 
 use super::Finding;
 use super::plans::StationLoad;
-
-/// Bytes of an hour of a station with two hands at 1 kHz, measured with viewers' channels in the whole mouth.
-const TWO_HANDS_PER_HOUR: f64 = 1.2e9;
-/// Bytes of an hour of a station with one hand at 1 kHz: exact record and half of the largest viewers' channels.
-const ONE_HAND_PER_HOUR: f64 = 0.7e9;
+use crate::station::quota::{Quota, bytes_per_hour, gb};
 
 /// Whether recordings can be written into the folder.
 pub(super) fn recordings(folder: &Path) -> Finding {
@@ -29,14 +26,20 @@ pub(super) fn recordings(folder: &Path) -> Finding {
 }
 
 /// Whether the disk has room for the planned hours of all stations.
-pub(super) fn room(folder: &Path, loads: &[StationLoad], stations: usize, hours: f64) -> Finding {
+pub(super) fn room(
+    folder: &Path,
+    viewers: ViewersPolicy,
+    loads: &[StationLoad],
+    stations: usize,
+    hours: f64,
+) -> Finding {
     let Some(at) = nearest(folder) else {
         return Finding::problem("disk", "The disk of the recordings is unknown.", "");
     };
     match rustix::fs::statvfs(&at) {
         Ok(disk) => {
             let free = disk.f_bavail as f64 * disk.f_frsize as f64;
-            room_of(free, loads, stations, hours)
+            room_of(free, viewers, loads, stations, hours)
         }
         Err(error) => Finding::warning(
             "disk",
@@ -47,13 +50,19 @@ pub(super) fn room(folder: &Path, loads: &[StationLoad], stations: usize, hours:
 }
 
 /// Finding for a number of free bytes. A station of `stations` without a known load counts with two hands.
-pub(super) fn room_of(free: f64, loads: &[StationLoad], stations: usize, hours: f64) -> Finding {
-    let unknown = stations.saturating_sub(loads.len()) as f64 * TWO_HANDS_PER_HOUR;
-    let per_hour = loads
+pub(super) fn room_of(
+    free: f64,
+    viewers: ViewersPolicy,
+    loads: &[StationLoad],
+    stations: usize,
+    hours: f64,
+) -> Finding {
+    let unknown = stations.saturating_sub(loads.len()) as f64 * bytes_per_hour(viewers, 2, 1000);
+    let all_per_hour = loads
         .iter()
-        .map(bytes_per_hour)
+        .map(|load| per_hour(viewers, load))
         .fold(unknown, |sum, one| sum + one);
-    let needed = per_hour * hours;
+    let needed = all_per_hour * hours;
     let text = format!(
         "{} for {hours} h: {:.1} GB needed, {:.1} GB free.",
         super::number(stations, "station"),
@@ -63,10 +72,14 @@ pub(super) fn room_of(free: f64, loads: &[StationLoad], stations: usize, hours: 
     if needed <= free {
         return Finding::ok("disk", text);
     }
-    let advice = if per_hour > 0.0 {
+    let advice = if all_per_hour > 0.0 {
+        let policy = match viewers {
+            ViewersPolicy::Recorded => "; --viewers on-demand needs about half",
+            ViewersPolicy::OnDemand => "",
+        };
         format!(
-            "Free space, or plan at most {:.1} h; --recordings names a folder on another disk.",
-            free / per_hour
+            "Free space, or plan at most {:.1} h; --recordings names a folder on another disk{policy}.",
+            free / all_per_hour
         )
     } else {
         "Free space.".to_owned()
@@ -74,14 +87,53 @@ pub(super) fn room_of(free: f64, loads: &[StationLoad], stations: usize, hours: 
     Finding::problem("disk", text, advice)
 }
 
-/// Bytes that a station records in an hour; the exact record grows with the rate.
-fn bytes_per_hour(station: &StationLoad) -> f64 {
-    let at_1_khz = if station.tools > 1 {
-        TWO_HANDS_PER_HOUR
-    } else {
-        ONE_HAND_PER_HOUR
+/// Bytes that a station records in an hour.
+fn per_hour(viewers: ViewersPolicy, station: &StationLoad) -> f64 {
+    bytes_per_hour(viewers, station.tools, station.load.rate_hz)
+}
+
+/// Rest of the folder's quota, for the planned hours of all stations.
+pub(super) fn quota(
+    folder: &Path,
+    quota: Option<u64>,
+    viewers: ViewersPolicy,
+    loads: &[StationLoad],
+    hours: f64,
+) -> Finding {
+    let Some(most) = quota else {
+        return Finding::ok(
+            "quota",
+            "The recordings have no quota: recordings_quota_gb of the file of stations sets one.",
+        );
     };
-    at_1_khz * (f64::from(station.load.rate_hz) / 1000.0).max(1.0)
+    // The start makes a missing folder.
+    let (used, left) = match folder.is_dir() {
+        true => {
+            let quota = Quota::new(folder, most);
+            (quota.used(), quota.left())
+        }
+        false => (0, most),
+    };
+    let needed = loads
+        .iter()
+        .map(|load| per_hour(viewers, load))
+        .sum::<f64>()
+        * hours;
+    let text = format!(
+        "Quota of the recordings: {} used, {} left of {}.",
+        gb(used),
+        gb(left),
+        gb(most)
+    );
+    let advice = "Raise recordings_quota_gb, or remove recordings: `sulcus-server class expire`.";
+    if left == 0 {
+        Finding::problem("quota", text, advice)
+    } else if needed > left as f64 {
+        let more = format!("{text} The planned {hours} h need {}.", gb(needed as u64));
+        Finding::warning("quota", more, advice)
+    } else {
+        Finding::ok("quota", text)
+    }
 }
 
 /// Whether files can be made in a folder, or the folder can be made.

@@ -13,6 +13,7 @@ use std::path::PathBuf;
 use serde::Serialize;
 use serde_json::json;
 use sulcus_program::say;
+use sulcus_sessions::ViewersPolicy;
 
 use crate::plan::Station;
 
@@ -78,6 +79,10 @@ pub struct CheckInput {
     pub state: Option<PathBuf>,
     /// Folder for recordings.
     pub recordings: PathBuf,
+    /// Policy of the recordings about the channels for viewers.
+    pub viewers: ViewersPolicy,
+    /// Bytes that the folder of recordings may have; `None`: no quota.
+    pub recordings_quota: Option<u64>,
     /// File of the key that signs recordings; `None`: the key of the state folder.
     pub key: Option<PathBuf>,
     /// Stations with their plans.
@@ -104,8 +109,16 @@ pub fn check(input: &CheckInput, progress: &dyn Fn(&str, f64)) -> Vec<Finding> {
     findings.push(disk::recordings(&input.recordings));
     findings.push(disk::room(
         &input.recordings,
+        input.viewers,
         &loads,
         input.stations.len(),
+        input.hours,
+    ));
+    findings.push(disk::quota(
+        &input.recordings,
+        input.recordings_quota,
+        input.viewers,
+        &loads,
         input.hours,
     ));
     findings

@@ -3,7 +3,7 @@
 use std::io::ErrorKind;
 use std::net::UdpSocket;
 
-use sulcus_link::schedule::fifo;
+use sulcus_link::schedule::{fifo, raise};
 
 use super::Finding;
 use crate::net::addresses::resolve;
@@ -61,6 +61,7 @@ pub(super) fn real_time() -> Finding {
 /// Whether this process may lock its memory.
 pub(super) fn locked_memory() -> Finding {
     use rustix::mm::{MlockAllFlags, mlockall, munlockall};
+    raise();
     match mlockall(MlockAllFlags::CURRENT) {
         Ok(()) => {
             // A failure leaves memory locked until the end of this short process.

@@ -24,6 +24,8 @@ fn input(place: &Path) -> CheckInput {
         listen: "127.0.0.1:0".into(),
         state: Some(place.join("state")),
         recordings: place.join("recordings"),
+        viewers: ViewersPolicy::Recorded,
+        recordings_quota: None,
         key: None,
         stations: vec![station("a", "")],
         hours: 0.5,
@@ -174,17 +176,53 @@ fn a_folder_without_the_right_to_write_is_a_problem() {
 #[test]
 fn the_disk_needs_room_for_all_hours_of_all_stations() {
     let loads = [load(50.0, 2), load(50.0, 1)];
-    let found = disk::room_of(20e9, &loads, 2, 10.0);
+    let found = disk::room_of(20e9, ViewersPolicy::Recorded, &loads, 2, 10.0);
     assert_eq!(found.level, Level::Ok, "{found:?}");
-    let found = disk::room_of(18e9, &loads, 2, 10.0);
+    let found = disk::room_of(18e9, ViewersPolicy::Recorded, &loads, 2, 10.0);
     assert_eq!(found.level, Level::Problem);
     assert!(
         found.text.contains("19.0 GB needed, 18.0 GB free"),
         "{found:?}"
     );
     assert!(found.advice.contains("9.5 h"), "{found:?}");
-    let found = disk::room_of(18e9, &[], 2, 10.0);
+    let found = disk::room_of(18e9, ViewersPolicy::Recorded, &[], 2, 10.0);
     assert!(found.text.contains("24.0 GB needed"), "{found:?}");
+    // The same stations without the channels for viewers.
+    let found = disk::room_of(18e9, ViewersPolicy::OnDemand, &loads, 2, 10.0);
+    assert_eq!(found.level, Level::Ok, "{found:?}");
+    assert!(found.text.contains("10.0 GB needed"), "{found:?}");
+    let found = disk::room_of(18e9, ViewersPolicy::OnDemand, &[], 2, 10.0);
+    assert!(found.text.contains("12.0 GB needed"), "{found:?}");
+    // The advice names the policy where the policy helps.
+    let found = disk::room_of(9e9, ViewersPolicy::Recorded, &loads, 2, 10.0);
+    assert!(found.advice.contains("--viewers on-demand"), "{found:?}");
+    let found = disk::room_of(9e9, ViewersPolicy::OnDemand, &[], 2, 10.0);
+    assert!(!found.advice.contains("--viewers"), "{found:?}");
+}
+
+#[test]
+fn the_quota_of_the_recordings_is_said_with_its_rest() {
+    let place = tempfile::tempdir().expect("temporary folder");
+    let folder = place.path().join("recordings");
+    let loads = [load(50.0, 2), load(50.0, 1)];
+    let quota = |most, hours| disk::quota(&folder, most, ViewersPolicy::Recorded, &loads, hours);
+    let found = quota(None, 1.0);
+    assert_eq!(found.level, Level::Ok);
+    assert!(found.text.contains("recordings_quota_gb"), "{found:?}");
+    // The start makes the folder: all of the quota is left.
+    let found = quota(Some(2_000_000_000), 1.0);
+    assert_eq!(found.level, Level::Ok, "{found:?}");
+    std::fs::create_dir(&folder).expect("creates");
+    let file = std::fs::File::create(folder.join("a.mcap")).expect("a file");
+    file.set_len(500_000_000).expect("a sparse file");
+    let found = quota(Some(2_000_000_000), 1.0);
+    assert_eq!(found.level, Level::Warning, "{found:?}");
+    for words in ["0.500 GB used, 1.5 GB left of 2.0 GB", "need 1.9 GB"] {
+        assert!(found.text.contains(words), "{found:?}");
+    }
+    let found = quota(Some(400_000_000), 0.1);
+    assert_eq!(found.level, Level::Problem, "{found:?}");
+    assert!(found.advice.contains("class expire"), "{found:?}");
 }
 
 #[test]

@@ -1,7 +1,14 @@
-//! Commands of an administrator: tokens, certificate, plans.
+//! Commands of an administrator: tokens, certificate, plans, cases, classes, backup, end of a school year.
 
+pub mod backup;
+pub mod case;
 pub mod certificate;
+pub mod class;
+pub mod init;
+#[cfg(feature = "console")]
+pub mod person;
 pub mod plan;
+pub mod rollover;
 pub mod token;
 
 use std::path::PathBuf;

@@ -112,6 +112,10 @@ struct SetArgs {
     /// Largest force, newtons, above 0
     #[arg(long, value_name = "N", value_parser = newtons)]
     force_limit_n: Option<f32>,
+    /// Whether clients far away may run the ticks at the hand; they then hold the mouth, and with it the answer.
+    /// Default: true, but false in an exam
+    #[arg(long, value_name = "BOOL")]
+    tick_at_hand: Option<bool>,
     /// Largest mean CPU time of a tick at the fine level of tissue, microseconds; refused with a grade
     #[arg(long, value_name = "US", value_parser = clap::value_parser!(u32).range(10..=900))]
     detail_budget_us: Option<u32>,
@@ -288,6 +292,7 @@ fn change(args: &SetArgs) -> anyhow::Result<PlanChange> {
         resume_within_s: args.resume_within_s,
         clock_in_gap: args.clock_in_gap,
         force_limit_n: args.force_limit_n,
+        tick_at_hand: args.tick_at_hand,
         detail_budget_us: args.detail_budget_us,
         clear: args.clear.clone(),
     }

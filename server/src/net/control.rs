@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use quinn::{SendStream, VarInt};
-use sulcus_proto::{ServerMessage, frame};
+use sulcus_proto::{CodecError, ServerMessage, frame};
 
 /// Timeout for a client to take one control message.
 ///
@@ -15,7 +15,15 @@ const GIVEN_UP: VarInt = VarInt::from_u32(1);
 /// Writes one message. `false`: encoding failed, the connection is lost, or the client did not take the message within
 /// [`WRITE`]. After a timeout the stream is reset, and every later write fails.
 pub(super) async fn write(stream: &mut SendStream, message: &ServerMessage) -> bool {
-    let bytes = match frame::encode(message) {
+    write_frame(stream, frame::encode(message)).await
+}
+
+/// Writes the frame of one message, as [`write`] does.
+pub(super) async fn write_frame(
+    stream: &mut SendStream,
+    frame: Result<Vec<u8>, CodecError>,
+) -> bool {
+    let bytes = match frame {
         Ok(bytes) => bytes,
         Err(error) => {
             tracing::error!("cannot encode a control message: {error}");

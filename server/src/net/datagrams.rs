@@ -2,8 +2,11 @@
 //! time. The datagrams outlive the student's connections; each connection has an epoch of its own.
 
 use quinn::Connection;
+use sulcus_link::ladder::Ladder;
+use sulcus_proto::datagram::WireLevels;
 use sulcus_proto::newest::{Arrival, ArrivalCounts};
-use sulcus_proto::{NewestWins, PoseDatagram};
+use sulcus_proto::reception::Meter;
+use sulcus_proto::{NewestWins, PoseDatagram, WrenchDatagram};
 use triple_buffer::{Input, Output};
 
 use crate::session::handoff::{PoseIn, WrenchOut};
@@ -16,6 +19,10 @@ pub(crate) struct Datagrams {
     filter: NewestWins,
     poses: Input<Option<PoseIn>>,
     wrenches: Output<WrenchOut>,
+    /// Quality of the way of the poses.
+    meter: Meter,
+    /// Rate of the wrenches.
+    ladder: Ladder,
     /// Sequence of the next wrench; wraps.
     sent: u32,
     /// Number of poses of another epoch.
@@ -25,12 +32,20 @@ pub(crate) struct Datagrams {
 }
 
 impl Datagrams {
-    pub fn new(epoch: u32, poses: Input<Option<PoseIn>>, wrenches: Output<WrenchOut>) -> Self {
+    /// Ends for ticks of `tick_ns`, nanoseconds.
+    pub fn new(
+        epoch: u32,
+        tick_ns: u64,
+        poses: Input<Option<PoseIn>>,
+        wrenches: Output<WrenchOut>,
+    ) -> Self {
         Self {
             epoch,
             filter: NewestWins::new(),
             poses,
             wrenches,
+            meter: Meter::new(),
+            ladder: Ladder::new(tick_ns),
             sent: 0,
             foreign: 0,
             malformed: 0,
@@ -41,6 +56,9 @@ impl Datagrams {
     pub fn begin_epoch(&mut self, epoch: u32) {
         self.epoch = epoch;
         self.filter.restart();
+        // The path may be another one.
+        self.meter = Meter::new();
+        self.ladder.restart();
     }
 
     /// Epoch of the datagrams.
@@ -53,41 +71,64 @@ impl Datagrams {
         self.poses.write(None);
     }
 
-    /// Takes one datagram: the newest pose of the present epoch goes to the simulation.
-    pub fn arrived(&mut self, bytes: &[u8]) {
+    /// Takes one datagram of a connection: the newest pose of the present epoch goes to the simulation. Returns it.
+    pub fn arrived(&mut self, bytes: &[u8], connection: &Connection) -> Option<PoseDatagram> {
         let arrived_ns = monotonic_ns();
         let Ok(datagram) = PoseDatagram::from_bytes(bytes) else {
             self.malformed += 1;
-            return;
+            return None;
         };
         if datagram.epoch != self.epoch {
             self.foreign += 1;
-            return;
+            return None;
         }
         if self.filter.judge(datagram.sequence) == Arrival::Newest {
+            let times = datagram.tools.iter().map(|tool| tool.device_time_ns);
+            let sent_ns = times.max().unwrap_or(0);
+            self.meter
+                .arrived(arrived_ns, sent_ns, self.filter.counts());
+            let rtt = || connection.rtt();
+            self.ladder.told(arrived_ns, datagram.reception, rtt);
             self.poses.write(Some(PoseIn {
                 datagram,
                 arrived_ns,
             }));
+            return Some(datagram);
         }
+        None
     }
 
-    /// Sends the newest wrench, unless it was sent before.
+    /// Sends the levels in force to a hand that ticks by itself, with the newest tick that the server has computed.
+    pub fn send_levels(&mut self, tick: u64, levels: WireLevels, connection: &Connection) {
+        let datagram = WrenchDatagram {
+            tick,
+            levels,
+            ..WrenchDatagram::default()
+        };
+        self.send_datagram(datagram, connection);
+    }
+
+    /// Sends the newest wrench, unless it was sent before or the rate leaves it out.
     pub fn send(&mut self, connection: &Connection) {
-        if !self.wrenches.update() {
+        if !self.wrenches.update() || !self.ladder.sends() {
             return;
         }
         let WrenchOut {
             mut datagram,
             pose_arrived_ns,
         } = *self.wrenches.output_buffer();
-        datagram.epoch = self.epoch;
-        datagram.sequence = self.sent;
         let hold_us = monotonic_ns().saturating_sub(pose_arrived_ns) / 1000;
         let hold_us = u32::try_from(hold_us).unwrap_or(u32::MAX);
         for tool in datagram.tools.iter_mut().filter(|tool| tool.echo.valid) {
             tool.echo.hold_us = hold_us;
         }
+        self.send_datagram(datagram, connection);
+    }
+
+    fn send_datagram(&mut self, mut datagram: WrenchDatagram, connection: &Connection) {
+        datagram.epoch = self.epoch;
+        datagram.sequence = self.sent;
+        datagram.reception = self.meter.value();
         match datagram.to_bytes() {
             Ok(bytes) => {
                 self.sent = self.sent.wrapping_add(1);

@@ -1,16 +1,20 @@
 //! First message of a connection: version, names, token, role, station. Each role has its own connection from there.
 
+use std::net::{IpAddr, SocketAddr};
 use std::sync::Arc;
 use std::time::Duration;
 
 use quinn::{Connection, SendStream};
 use sulcus_link::control::{ReadError, read, reader};
-use sulcus_proto::control::{ClientHello, Refused, RefusedReason};
+use sulcus_proto::control::{ClientHello, DeviceInfo, Refused, RefusedReason};
 use sulcus_proto::limits::{HELLO, NAME_BYTES};
-use sulcus_proto::{ClientMessage, CodecError, Role, ServerMessage, learner};
+use sulcus_proto::station::Phase;
+use sulcus_proto::{ClientMessage, CodecError, Role, ServerMessage, frame, learner};
 
+use super::codes::Coming;
 use super::tokens::{Denied, Grant, Place};
-use super::{CLOSE_REFUSED, Net, close_after_last_word, control, instructor, student};
+use super::{CLOSE_REFUSED, Net, close_after_last_word, codes, control, instructor, student};
+use crate::station::at_hand::Wish;
 use crate::station::door::{Door, Student, other_version};
 
 /// Delay before a wrong token is refused. The delay slows guesses down.
@@ -47,7 +51,10 @@ pub(super) async fn admit(connection: Connection, net: Arc<Net>) {
         connection.close(CLOSE_REFUSED, b"no hello");
         return;
     };
-    let Admitted { hello, grant, door } = match judge(message, &net).await {
+    if let Err(ReadError::Codec(CodecError::Version { found })) = &message {
+        return refuse_version(&connection, &mut send, *found, &net).await;
+    }
+    let Admitted { hello, grant, door } = match judge(message, &net, from.ip()).await {
         Ok(admitted) => admitted,
         Err(refused) => return refuse(&connection, &mut send, refused).await,
     };
@@ -55,7 +62,7 @@ pub(super) async fn admit(connection: Connection, net: Arc<Net>) {
         "{from} joins as {} with token {}, device `{}`, client {}",
         hello.role,
         clean(&grant.id),
-        clean(&hello.device.name),
+        clean(&names_of(&hello.devices)),
         clean(&hello.program)
     );
     if hello.self_test != 0 && hello.self_test != net.self_test {
@@ -68,6 +75,7 @@ pub(super) async fn admit(connection: Connection, net: Arc<Net>) {
             super::display::serve(connection, send, reader(recv), grant, door, net).await;
         }
         Some(door) => {
+            let wish = Wish::of(&hello, net.self_test);
             let student = Student {
                 learner: if hello.learner.is_empty() {
                     grant.learner.clone()
@@ -76,9 +84,10 @@ pub(super) async fn admit(connection: Connection, net: Arc<Net>) {
                 },
                 grant,
                 program: hello.program,
-                device: hello.device,
+                devices: hello.devices,
                 exercise: hello.exercise,
                 follows: hello.epoch,
+                wish,
             };
             student::serve(connection, send, reader(recv), student, door, net).await;
         }
@@ -87,15 +96,16 @@ pub(super) async fn admit(connection: Connection, net: Arc<Net>) {
 }
 
 /// Checks the first message. The error is the refusal to send.
-async fn judge(message: Result<ClientMessage, ReadError>, net: &Net) -> Result<Admitted, Refused> {
-    let hello = match message {
+async fn judge(
+    message: Result<ClientMessage, ReadError>,
+    net: &Net,
+    from: IpAddr,
+) -> Result<Admitted, Refused> {
+    let mut hello = match message {
         Ok(ClientMessage::Hello(hello)) => hello,
         Ok(_) => {
             let text = "the first message must be a hello";
             return refused(RefusedReason::BadHello, text);
-        }
-        Err(ReadError::Codec(CodecError::Version { found })) => {
-            return refused(RefusedReason::Version, &other_version(found));
         }
         Err(error) => {
             let text = format!("the hello cannot be read: {error}");
@@ -105,7 +115,6 @@ async fn judge(message: Result<ClientMessage, ReadError>, net: &Net) -> Result<A
     let names = [
         &hello.program,
         &hello.token,
-        &hello.device.name,
         &hello.learner,
         &hello.exercise,
         &hello.station,
@@ -118,8 +127,11 @@ async fn judge(message: Result<ClientMessage, ReadError>, net: &Net) -> Result<A
         let text = format!("learner `{}`: {expected}", clean(&hello.learner));
         return refused(RefusedReason::BadHello, &text);
     }
-    if let Err(text) = hello.device.validate() {
-        return refused(RefusedReason::BadHello, &format!("device: {text}"));
+    for (slot, device) in hello.devices.iter().enumerate() {
+        if let Err(text) = device.validate() {
+            let text = format!("device of tool {slot}: {text}");
+            return refused(RefusedReason::BadHello, &text);
+        }
     }
     let grant = match net.shared.grant(&hello.token) {
         Ok(grant) => grant,
@@ -140,6 +152,11 @@ async fn judge(message: Result<ClientMessage, ReadError>, net: &Net) -> Result<A
         );
         return refused(RefusedReason::Role, &text);
     }
+    // A code stands in the place of the id. A client that returns to its session needs none: its token is enough.
+    let code = learner::code_of(&hello.learner).map(str::to_owned);
+    if code.is_some() {
+        hello.learner.clear();
+    }
     if !grant.learner.is_empty() && !hello.learner.is_empty() && grant.learner != hello.learner {
         let text = format!(
             "this token belongs to learner {}, the client names {}",
@@ -152,6 +169,18 @@ async fn judge(message: Result<ClientMessage, ReadError>, net: &Net) -> Result<A
         Role::Student | Role::Display => Some(station(&hello, &grant, net)?),
         Role::Instructor | Role::Examiner | Role::Admin => None,
     };
+    if let (Some(code), Some(door), Role::Student) = (&code, &door, hello.role)
+        && (hello.epoch == 0 || door.status().phase == Phase::Free)
+    {
+        let coming = Coming {
+            code,
+            from,
+            own: &grant.learner,
+        };
+        let shared = &net.shared;
+        let seated = codes::seat(coming, &shared.config.codes, &shared.wrong_codes, door);
+        hello.learner = seated.await?;
+    }
     Ok(Admitted { hello, grant, door })
 }
 
@@ -195,10 +224,39 @@ fn refused<T>(reason: RefusedReason, text: &str) -> Result<T, Refused> {
 /// Sends a refusal and closes the connection.
 pub(super) async fn refuse(connection: &Connection, send: &mut SendStream, refused: Refused) {
     tracing::info!("{} refused: {}", connection.remote_address(), refused.text);
-    if control::write(send, &ServerMessage::Refused(refused)).await && send.finish().is_ok() {
+    let frame = frame::encode(&ServerMessage::Refused(refused));
+    last(connection, send, frame).await;
+}
+
+/// Refuses a client of another release, in the version that the client reads, and says where the right one lies.
+async fn refuse_version(connection: &Connection, send: &mut SendStream, found: u8, net: &Net) {
+    let clients = net.clients.get().map(|console| {
+        // A console on every address is reached by the address that the client has found.
+        let own = Some(console.ip()).filter(|ip| !ip.is_unspecified());
+        let own = own.or(connection.local_ip().map(|ip| ip.to_canonical()));
+        SocketAddr::new(own.unwrap_or(console.ip()), console.port())
+    });
+    let refused = Refused {
+        reason: RefusedReason::Version,
+        text: other_version(found, clients),
+    };
+    tracing::info!("{} refused: {}", connection.remote_address(), refused.text);
+    last(connection, send, frame::refusal(found, &refused)).await;
+}
+
+/// Sends the last message of a refused client and closes the connection.
+async fn last(connection: &Connection, send: &mut SendStream, frame: Result<Vec<u8>, CodecError>) {
+    if control::write_frame(send, frame).await && send.finish().is_ok() {
         close_after_last_word(connection, CLOSE_REFUSED, b"refused").await;
     }
     connection.close(CLOSE_REFUSED, b"refused");
+}
+
+/// Names of a client's devices, for log lines and recordings: each name once.
+pub(crate) fn names_of(devices: &[DeviceInfo]) -> String {
+    let mut names: Vec<&str> = devices.iter().map(|device| &*device.name).collect();
+    names.dedup();
+    names.join(" and ")
 }
 
 /// Text of a client for a log line or a message: at most 64 characters, without control characters.

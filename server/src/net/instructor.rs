@@ -178,7 +178,8 @@ impl Instructor {
         if let Instruction::Note(text)
         | Instruction::Flag(text)
         | Instruction::Say(text)
-        | Instruction::Plan(text) = &instruction
+        | Instruction::Plan(text)
+        | Instruction::Ghost(text) = &instruction
             && text.len() > TEXT_BYTES
         {
             let found = text.len();

@@ -1,21 +1,24 @@
 //! The network thread: endpoint, first messages, one task for each connection and one for each station.
 
 pub(crate) mod addresses;
+pub mod codes;
 mod control;
 pub(crate) mod datagrams;
 mod display;
 pub mod feed;
 pub(crate) mod hello;
 pub(crate) mod identity;
+mod inputs;
 mod instructor;
 mod rate;
 mod student;
 pub mod tokens;
 pub(crate) mod transport;
 
+use std::net::SocketAddr;
 use std::panic::AssertUnwindSafe;
 use std::pin::pin;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 use std::task::Poll;
 use std::time::Duration;
 
@@ -50,6 +53,8 @@ pub(crate) struct Net {
     pub doors: Vec<Door>,
     /// Hash of the tick self-test.
     pub self_test: u64,
+    /// Address of the console, if it offers clients for download.
+    pub clients: Arc<OnceLock<SocketAddr>>,
 }
 
 /// Application code of a close after a goodbye, or at the end of the server.
@@ -95,6 +100,9 @@ pub(crate) async fn serve(
     if let Some(listener) = metrics {
         let listener = tokio::net::TcpListener::from_std(listener)?;
         outlets.spawn(crate::outlets::metrics::serve(listener, net.doors.clone()));
+    }
+    if let Some(quota) = shared.quota.clone() {
+        outlets.spawn(crate::station::quota::watch(quota));
     }
     let mut actors = JoinSet::new();
     for (number, (config, door, behind)) in stations.into_iter().enumerate() {

@@ -1,14 +1,17 @@
 //! Connection of a student: poses in, wrenches out, control messages. The session outlives the connection.
 
 use std::sync::Arc;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use quinn::{Connection, ConnectionError, SendStream};
+use sulcus_core::Coupling;
 use sulcus_link::control::ReadError;
+use sulcus_proto::at_hand::LEVELS_MS;
 use sulcus_proto::control::{
-    Command, EndReason, PlanInfo, Refused, RefusedReason, ServerHello, ToolInfo,
+    Command, EndReason, PlanInfo, Refused, RefusedReason, ServerHello, ToolInfo, capability,
 };
 use sulcus_proto::datagram::WirePose;
+use sulcus_proto::ghost::GhostPart;
 use sulcus_proto::permission::{self, may};
 use sulcus_proto::{ClientMessage, Role, ServerMessage};
 use sulcus_sessions::Detached;
@@ -16,12 +19,16 @@ use sulcus_sessions::exercise::events::may_a_client_say;
 use tokio::sync::mpsc::Receiver;
 
 use super::rate::{MESSAGES_PER_S, Rate};
-use super::{CLOSE_OK, CLOSE_REFUSED, Net, close_after_last_word, control, hello};
+use super::{CLOSE_OK, CLOSE_REFUSED, Net, close_after_last_word, control, hello, inputs};
 use crate::session::handoff::Provoked;
 use crate::session::levels::{Levels, Taken};
 use crate::session::running::Ports;
 use crate::station::config::SessionPlan;
 use crate::station::door::{Attached, Door, Student, ToStation, ToStudent};
+
+/// Interval between two parts of a ghost's path. The wrenches of the hand must not wait behind the path. A part of
+/// 29 kB every 40 ms is 6 Mbit/s.
+const GHOST_PACE: Duration = Duration::from_millis(40);
 
 type Messages = Receiver<Result<ClientMessage, ReadError>>;
 
@@ -57,6 +64,8 @@ struct StudentConnection {
     send: SendStream,
     messages: Messages,
     hears: Receiver<ToStudent>,
+    /// Parts of a ghost's path that wait, last one first.
+    ghost: Vec<GhostPart>,
     ports: Option<Arc<Ports>>,
     levels: Levels,
     door: Door,
@@ -91,7 +100,9 @@ pub(super) async fn serve(
     let Attached {
         epoch,
         plan,
+        couplings,
         ports,
+        at_hand,
         levels,
         hears,
     } = attached;
@@ -101,7 +112,8 @@ pub(super) async fn serve(
         reason: Detached::Station,
         why: "the connection's task ended unexpectedly".to_owned(),
     };
-    let greeting = ServerMessage::Hello(server_hello(&plan, &net, &door, epoch, ports.is_some()));
+    let attach = (epoch, ports.is_some(), at_hand);
+    let greeting = ServerMessage::Hello(server_hello(&plan, &couplings, &net, &door, attach));
     if !control::write(&mut send, &greeting).await {
         leaving.why = "the client took no hello".to_owned();
         connection.close(CLOSE_REFUSED, b"hello not taken");
@@ -114,6 +126,7 @@ pub(super) async fn serve(
         send,
         messages,
         hears,
+        ghost: Vec::new(),
         ports,
         levels,
         door,
@@ -201,7 +214,7 @@ impl StudentConnection {
 
     /// Carries poses, wrenches and messages until the connection ends.
     async fn in_session(&mut self, ports: &Arc<Ports>) -> Result<Arc<Ports>, Left> {
-        let bell = match ports.bell().listen() {
+        let mut bell = match ports.bell().listen() {
             Ok(bell) => bell,
             Err(error) => {
                 return Err(Left::Lost(format!(
@@ -209,6 +222,12 @@ impl StudentConnection {
                 )));
             }
         };
+        let mut pace = tokio::time::interval(GHOST_PACE);
+        pace.set_missed_tick_behavior(tokio::time::MissedTickBehavior::Delay);
+        let mut levels = tokio::time::interval(Duration::from_millis(LEVELS_MS));
+        levels.set_missed_tick_behavior(tokio::time::MissedTickBehavior::Delay);
+        // Ends with this connection.
+        let _inputs = inputs::read_all(&self.connection, ports);
         loop {
             tokio::select! {
                 datagram = self.connection.read_datagram() => match datagram {
@@ -216,17 +235,22 @@ impl StudentConnection {
                         self.datagrams.count(Instant::now(), "datagrams").map_err(Left::Dropped)?;
                         ports.flags().provoke(Provoked::Connection);
                         let mut datagrams = ports.datagrams();
-                        if datagrams.epoch() == self.epoch {
-                            datagrams.arrived(&bytes);
+                        let newest = if datagrams.epoch() == self.epoch {
+                            datagrams.arrived(&bytes, &self.connection)
+                        } else {
+                            None
+                        };
+                        drop(datagrams);
+                        if let Some((hand, pose)) = ports.hand().zip(newest) {
+                            hand.live(&pose, self.connection.rtt());
                         }
                     }
                     Err(error) => return Err(lost(&error)),
                 },
-                ready = bell.readable() => {
-                    if let Ok(mut ready) = ready {
-                        ports.bell().silence();
-                        ready.clear_ready();
-                    }
+                _ = levels.tick(), if ports.hand().is_some() => self.send_levels(ports),
+                // A command does not wait for the next packet; a lost one is repeated by that.
+                () = self.levels.changed(), if ports.hand().is_some() => self.send_levels(ports),
+                () = bell.rung(), if ports.hand().is_none() => {
                     let mut datagrams = ports.datagrams();
                     if datagrams.epoch() == self.epoch {
                         datagrams.send(&self.connection);
@@ -236,7 +260,21 @@ impl StudentConnection {
                     self.message(message, Some(ports)).await?;
                 }
                 heard = self.hears.recv() => self.hear(heard).await?,
+                _ = pace.tick(), if !self.ghost.is_empty() => if let Some(part) = self.ghost.pop() {
+                    self.tell(&ServerMessage::Ghost(part)).await?;
+                },
             }
+        }
+    }
+
+    /// Sends pause and force limit to a hand with ticks of its own.
+    fn send_levels(&self, ports: &Ports) {
+        let levels = ports.hand().and_then(|hand| hand.levels(&self.levels));
+        let mut datagrams = ports.datagrams();
+        if let Some((tick, levels)) = levels
+            && datagrams.epoch() == self.epoch
+        {
+            datagrams.send_levels(tick, levels, &self.connection);
         }
     }
 
@@ -292,11 +330,21 @@ impl StudentConnection {
                 ports.event(event);
             }
             (ClientMessage::Inputs(_), _) => {
-                let why = "this server computes the ticks by itself and takes no inputs of ticks";
+                let why = "inputs of ticks come on a stream of their own, and only if the ticks run at the hand";
                 return Err(Left::Dropped(why.to_owned()));
             }
-            // Buttons and events have no meaning before the start.
-            (ClientMessage::Button(_) | ClientMessage::Event(_), None) => {}
+            (ClientMessage::LastTick(last), Some(ports)) => {
+                let Some(hand) = ports.hand() else {
+                    let why = "a last tick was named, but the ticks do not run at the hand";
+                    return Err(Left::Dropped(why.to_owned()));
+                };
+                hand.last(last);
+            }
+            // These have no meaning before the start.
+            (
+                ClientMessage::Button(_) | ClientMessage::Event(_) | ClientMessage::LastTick(_),
+                None,
+            ) => {}
             (
                 ClientMessage::Hello(_)
                 | ClientMessage::Show(_)
@@ -342,6 +390,11 @@ impl StudentConnection {
                 self.tell(&ServerMessage::Epoch(epoch)).await
             }
             Some(ToStudent::Say(say)) => self.tell(&ServerMessage::Say(say)).await,
+            Some(ToStudent::Ghost(parts)) => {
+                self.ghost = parts;
+                self.ghost.reverse();
+                Ok(())
+            }
             Some(ToStudent::Goodbye(goodbye)) => {
                 control::write(&mut self.send, &ServerMessage::Goodbye(*goodbye)).await;
                 Err(Left::Goodbye)
@@ -366,15 +419,16 @@ fn lost(error: &ConnectionError) -> Left {
     Left::Lost(hello::printable(&error.to_string(), 128))
 }
 
+/// Hello to a student whose connection has an epoch and may continue a running session, with the couplings in force.
 fn server_hello(
     plan: &SessionPlan,
+    couplings: &[Coupling],
     net: &Net,
     door: &Door,
-    epoch: u32,
-    resumed: bool,
+    (epoch, resumed, at_hand): (u32, bool, Result<bool, &str>),
 ) -> ServerHello {
     let scene = &plan.scene;
-    let tools = scene.tools.iter().map(|tool| {
+    let tools = scene.tools.iter().zip(couplings).map(|(tool, coupling)| {
         let (p, q) = (&tool.park.position, &tool.park.orientation);
         ToolInfo {
             name: tool.name.clone(),
@@ -383,8 +437,8 @@ fn server_hello(
                 orientation: [q.w as f32, q.i as f32, q.j as f32, q.k as f32],
             },
             tip: [tool.tip.x as f32, tool.tip.y as f32, tool.tip.z as f32],
-            stiffness_n_per_m: tool.stiffness_n_per_m as f32,
-            stiffness_nm_per_rad: tool.stiffness_nm_per_rad as f32,
+            stiffness_n_per_m: coupling.n_per_m,
+            stiffness_nm_per_rad: coupling.nm_per_rad,
         }
     });
     let limit_s = plan.max_session.map_or(0, |limit| limit.as_secs());
@@ -399,9 +453,10 @@ fn server_hello(
             time_limit_s: u32::try_from(limit_s).unwrap_or(u32::MAX),
             resume_within_ms: u32::try_from(plan.resume_within.as_millis()).unwrap_or(u32::MAX),
             clock_in_gap: plan.clock_in_gap,
-            tick_at_hand: false,
+            tick_at_hand: at_hand == Ok(true),
+            tick_remark: at_hand.err().unwrap_or_default().to_owned(),
         },
-        capabilities: 0,
+        capabilities: capability::TICK_AT_HAND,
         self_test: net.self_test,
         tick_ns: scene.params.tick_ns(),
         scene: scene.name.clone(),

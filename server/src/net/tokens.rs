@@ -12,6 +12,15 @@ pub trait Tokens: Send + Sync {
     /// No token has the secret, or the token is no longer valid.
     fn find(&self, secret: &str) -> Result<Grant, Denied>;
 
+    /// Rights of the token with this id, for a person whose password was right.
+    ///
+    /// # Errors
+    /// No token has the id, or the token is no longer valid. The default knows no ids.
+    fn holder(&self, id: &str) -> Result<Grant, Denied> {
+        let _ = id;
+        Err(Denied::Unknown)
+    }
+
     /// Whether the token `id` of an open connection is still valid. The default never ends a connection.
     ///
     /// # Errors
@@ -25,6 +34,10 @@ pub trait Tokens: Send + Sync {
 impl Tokens for crate::state::Tokens {
     fn find(&self, secret: &str) -> Result<Grant, Denied> {
         self.grant(secret, crate::state::date::now_s())
+    }
+
+    fn holder(&self, id: &str) -> Result<Grant, Denied> {
+        crate::state::Tokens::holder(self, id, crate::state::date::now_s())
     }
 
     fn still(&self, id: &str) -> Result<(), Denied> {

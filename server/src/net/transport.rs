@@ -33,6 +33,8 @@ fn transport() -> Result<TransportConfig, ServerError> {
     transport
         // The client opens one control stream; its window holds two messages of the largest size.
         .max_concurrent_bidi_streams(VarInt::from_u32(1))
+        // One stream of inputs, if the ticks run at the hand.
+        .max_concurrent_uni_streams(VarInt::from_u32(1))
         .stream_receive_window(window)
         .receive_window(window);
     Ok(transport)

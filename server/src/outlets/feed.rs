@@ -8,8 +8,11 @@ use std::sync::Arc;
 use sulcus_core::{Scene, TickOutput};
 use sulcus_display::{Display, Frames};
 use sulcus_proto::display::DisplayFrame;
+use sulcus_proto::live::Hands;
 use sulcus_sessions::{Moved, Occurrence};
 use tokio::sync::watch;
+
+use super::hands::{TrueDepth, depths};
 
 /// Encoded frame.
 #[derive(Clone, Debug)]
@@ -27,6 +30,12 @@ pub struct Latest {
     pub display: Option<Arc<Display>>,
     /// Newest frame of that scene; `None` before its first tick.
     pub frame: Option<EncodedFrame>,
+    /// Number of scenes that have begun; each session begins one.
+    pub begun: u64,
+    /// State of the tools after the newest frame, for instructors alone; `None` before the first tick.
+    pub hands: Option<Hands>,
+    /// Depths of all sites by the scene, for instructors alone.
+    pub depths: Arc<[TrueDepth]>,
 }
 
 /// Reader's end of a station's feed; one for each display.
@@ -53,9 +62,26 @@ impl FeedPublisher {
 
     /// Begins a scene. Displays show it at rest until its first frame.
     pub fn begin(&mut self, display: Arc<Display>) {
+        self.begin_with(display, Arc::default());
+    }
+
+    /// The same, with the depths of all sites for instructors.
+    fn begin_with(&mut self, display: Arc<Display>, depths: Arc<[TrueDepth]>) {
+        let begun = self.latest.borrow().begun + 1;
         self.latest.send_replace(Latest {
             display: Some(display),
             frame: None,
+            begun,
+            hands: None,
+            depths,
+        });
+    }
+
+    /// Sets the state of the tools after the newest frame. Displays are not woken for it: they never get it.
+    pub(crate) fn hands(&mut self, hands: Hands) {
+        self.latest.send_if_modified(|latest| {
+            latest.hands = Some(hands);
+            false
         });
     }
 
@@ -99,7 +125,7 @@ pub struct SessionFeed {
 impl SessionFeed {
     /// Begins the feed of a session. `display` is that of `scene`.
     pub fn begin(publisher: &mut FeedPublisher, scene: &Scene, display: Arc<Display>) -> Self {
-        publisher.begin(display.clone());
+        publisher.begin_with(display.clone(), depths(scene).into());
         Self {
             frames: Frames::new(scene, &display),
             display,
@@ -111,18 +137,21 @@ impl SessionFeed {
         self.frames.occurred(event);
     }
 
-    /// Takes a tick, and publishes a frame on due ticks. `moved` has the newest places of the spheres.
+    /// Takes a tick, and publishes a frame on due ticks. `moved` has the newest places of the spheres. Returns whether
+    /// the tick was due.
     pub fn tick(
         &mut self,
         publisher: &mut FeedPublisher,
         output: &TickOutput,
         paused: bool,
         moved: &Moved,
-    ) {
-        if self.frames.is_due(output.tick) {
+    ) -> bool {
+        let is_due = self.frames.is_due(output.tick);
+        if is_due {
             let frame = self.frames.frame(&self.display, output, paused, moved);
             publisher.publish(frame);
         }
+        is_due
     }
 
     /// Number of impossible cases so far; see [`Frames::faults`].

@@ -194,7 +194,7 @@ const METRICS: [Metric; 15] = [
     ),
     (
         "sulcus_disk_free_bytes",
-        "Free space on the disk of recordings",
+        "Free space for recordings: of the disk, or of the quota where that is less",
         "gauge",
         |s| s.disk_free_mib as f64 * f64::from(1 << 20),
     ),

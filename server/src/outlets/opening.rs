@@ -3,14 +3,16 @@
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 
-use sulcus_core::{Scene, State};
+use sulcus_core::{Coupling, Scene, State};
 use sulcus_link::clock::unix_ns;
 use sulcus_program::PathText;
 use sulcus_proto::control::DeviceInfo;
 use sulcus_proto::station::StationEvent;
 use sulcus_sessions::record::plan::{PlanChange, PlanFacts};
 use sulcus_sessions::record::predecessor::Predecessor;
-use sulcus_sessions::{DeviceFacts, Limits, Recorder, SessionHeader, SessionWriter, StationKey};
+use sulcus_sessions::{
+    DeviceFacts, Limits, Recorder, SessionHeader, SessionWriter, StationKey, ViewersPolicy,
+};
 use tokio::sync::broadcast;
 
 use crate::outlets::feed::{FeedPublisher, SessionFeed};
@@ -20,10 +22,14 @@ use crate::station::config::SessionPlan;
 
 /// Facts of a session before its recording.
 pub(crate) struct Opening {
-    /// Plan of the session.
+    /// Plan of the session. Its scene has the couplings in force, its bytes those of the file.
     pub plan: Arc<SessionPlan>,
+    /// Couplings in force, in the order of the tools; empty for the scene's own.
+    pub softer: Vec<Coupling>,
     /// Folder of recordings.
     pub folder: PathBuf,
+    /// Policy about the channels for viewers.
+    pub viewers: ViewersPolicy,
     /// File of the station's key; `None`: the default path.
     pub key: Option<PathBuf>,
     /// Name of the station.
@@ -32,8 +38,8 @@ pub(crate) struct Opening {
     pub learner: String,
     /// First line of the log: the client's program and device.
     pub client: String,
-    /// Device of the client.
-    pub device: DeviceInfo,
+    /// Devices of the client, in the order of the tool slots.
+    pub devices: Vec<DeviceInfo>,
     /// Attach epoch of the first connection.
     pub epoch: u32,
     /// Path of the recording that this one continues.
@@ -64,11 +70,13 @@ pub(crate) fn open(opening: Opening) -> Result<Open, String> {
         learner_id: opening.learner.clone(),
         mode: Some(plan.mode),
         started_unix_ns: started,
-        devices: devices(&plan.scene, &opening.device),
+        devices: devices(&plan.scene, &opening.devices),
         limits: Some(limits(&plan.scene)),
         plan: Some(facts(plan, &opening.station)),
         attach_epoch: Some(opening.epoch),
         predecessor: opening.predecessor.as_deref().and_then(predecessor),
+        couplings: opening.softer.clone(),
+        viewers: opening.viewers,
         ..SessionHeader::new(plan.scene_bytes.to_vec())
     };
     let key = station_key(opening.key.as_deref()).map_err(|error| error.to_string())?;
@@ -98,9 +106,15 @@ pub(crate) fn open(opening: Opening) -> Result<Open, String> {
     Ok(Open(writer, name, Narrator::new(plan), listeners))
 }
 
-/// Device of the client, for each tool of the scene.
-fn devices(scene: &Scene, device: &DeviceInfo) -> Vec<DeviceFacts> {
-    let of = |tool: u8| DeviceFacts {
+/// Devices of the client for the tools of the scene.
+pub(crate) fn devices(scene: &Scene, devices: &[DeviceInfo]) -> Vec<DeviceFacts> {
+    let slots = (0..).zip(devices).take(scene.tools.len());
+    let there = slots.filter(|(_, device)| device.is_there());
+    there.map(|(tool, device)| facts_of(tool, device)).collect()
+}
+
+fn facts_of(tool: u8, device: &DeviceInfo) -> DeviceFacts {
+    DeviceFacts {
         tool,
         name: device.name.clone(),
         period_ns: device.period_ns,
@@ -108,8 +122,25 @@ fn devices(scene: &Scene, device: &DeviceInfo) -> Vec<DeviceFacts> {
         max_force_n: f64::from(device.max_force_n),
         max_torque_nm: f64::from(device.max_torque_nm),
         force_dof: device.force_axes + device.torque_axes,
-    };
-    (0..).take(scene.tools.len()).map(of).collect()
+        library: device.library.clone(),
+        serial: device.serial.clone(),
+        model_hash: device.model_hash.clone(),
+        figures: device.figures.clone(),
+        delay_us: device.delay_us,
+        friction_n: decimal(device.friction_n),
+        motion_axes: device.motion_axes,
+        force_axes: device.force_axes,
+        torque_axes: device.torque_axes,
+        coupling: device.coupling.map(|most| Coupling {
+            n_per_m: f64::from(most.n_per_m),
+            nm_per_rad: decimal(most.nm_per_rad),
+        }),
+    }
+}
+
+/// Number with the decimals that an f32 has, for people: 0.26 instead of 0.25999999046325684.
+fn decimal(number: f32) -> f64 {
+    number.to_string().parse().unwrap_or(f64::from(number))
 }
 
 /// Limits of the wrench that the client is told.

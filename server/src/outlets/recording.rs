@@ -11,7 +11,9 @@ use sulcus_link::Bell;
 use sulcus_link::clock::unix_ns;
 use sulcus_proto::SessionSummary;
 use sulcus_proto::control::Event;
+use sulcus_proto::device::DEVICE_EVENT;
 use sulcus_proto::station::StationEvent;
+use sulcus_sessions::exercise::events::call::READING_CALLED;
 use sulcus_sessions::exercise::events::{LOST, Look};
 use tokio::sync::broadcast;
 
@@ -21,6 +23,7 @@ use sulcus_sessions::{
 };
 
 use crate::outlets::feed::{FeedPublisher, SessionFeed};
+use crate::outlets::hands::hands;
 use crate::outlets::status::StatusOutlet;
 use crate::session::changes::Changes;
 use crate::session::gaps::Gaps;
@@ -109,13 +112,32 @@ pub(crate) struct Listeners {
 
 impl Listeners {
     /// Publishes the frame of a tick for displays, if it is due.
-    fn frame(&mut self, output: &TickOutput, paused: bool, moved: &Moved) {
+    fn frame(&mut self, output: &TickOutput, paused: bool, moved: &Moved, events: &Events) {
         let Some(session) = &mut self.session else {
             return;
         };
         let mut feed = self.feed.lock().unwrap_or_else(PoisonError::into_inner);
-        session.tick(&mut feed, output, paused, moved);
+        if session.tick(&mut feed, output, paused, moved) {
+            let hands = hands(output, paused, self.status.depths(), events);
+            feed.hands(hands);
+        }
         self.status.frames_dropped(feed.dropped());
+    }
+
+    /// Sends a reading that the student calls to all instructors, and takes the state of a device. Other events of a
+    /// client are for the recording alone: they must not pass for events that the server has found.
+    fn said(&mut self, event: &Event, text: &str) {
+        if event.kind == DEVICE_EVENT {
+            self.status.device(&event.json);
+        }
+        if event.kind == READING_CALLED {
+            // An error means that nobody listens.
+            let _ = self.events.send(StationEvent {
+                station: self.station.clone(),
+                tick: event.tick,
+                text: text.to_owned(),
+            });
+        }
     }
 
     /// Sends an event to displays and to all instructors. A slow instructor misses the oldest ones.
@@ -271,6 +293,7 @@ impl Thread {
             match self.network.try_recv() {
                 Ok(FromNetwork::Event(event)) => {
                     let text = format!("{} at tick {}: {}", event.kind, event.tick, event.json);
+                    self.listeners.said(&event, &text);
                     let result = self.writer.event(unix_ns(), Level::Info, &text);
                     self.check(result);
                 }
@@ -379,7 +402,7 @@ impl Thread {
             self.writer.follow(shapes);
         }
         self.listeners
-            .frame(output, row.input.paused, self.writer.moved());
+            .frame(output, row.input.paused, self.writer.moved(), events);
         let recorded = RecordedTick {
             row,
             output,
@@ -539,9 +562,9 @@ mod tests {
             .build()
             .expect("runtime");
         runtime.block_on(async {
-            let heard = bell.listen().expect("registered");
-            let rung = tokio::time::timeout(Duration::from_secs(5), heard.readable());
-            assert!(rung.await.expect("rung").is_ok());
+            let mut heard = bell.listen().expect("registered");
+            let rung = tokio::time::timeout(Duration::from_secs(5), heard.rung());
+            assert!(rung.await.is_ok());
         });
     }
 }

@@ -5,13 +5,15 @@
 use std::sync::Arc;
 use std::sync::{Mutex, PoisonError};
 
+use serde::Deserialize;
 use sulcus_core::math::norm;
-use sulcus_core::output::{ForceZone, status};
+use sulcus_core::output::status;
 use sulcus_core::{MAX_TOOLS, Scene, TickOutput};
 use sulcus_link::Times;
 use sulcus_proto::station::{StationStatus, ToolStatus};
 use sulcus_sessions::{Events, Row};
 
+use super::hands::{TrueDepth, depths, true_depth, zone};
 use crate::capacity::{Cost, Estimate};
 
 /// Interval between two statuses, seconds.
@@ -63,10 +65,23 @@ impl Live {
     }
 }
 
+/// Longest name of a device's stage, bytes.
+const STAGE_BYTES: usize = 32;
+
+/// Event of a client about its haptic device, as far as a status has it.
+#[derive(Deserialize)]
+struct Device {
+    tool: usize,
+    stage: String,
+    limited_periods: u64,
+}
+
 /// Collector of statuses from the ticks of a session.
 pub(crate) struct StatusOutlet {
     live: Arc<Live>,
     numbers: Numbers,
+    /// Depth of each site by the scene, millimetres.
+    depths: Vec<TrueDepth>,
     times: Times,
     /// Sum of the times since the last status, nanoseconds.
     sum_ns: u64,
@@ -84,6 +99,7 @@ impl StatusOutlet {
         Self {
             live,
             numbers: Numbers::default(),
+            depths: depths(scene),
             times: Times::up_to(1),
             sum_ns: 0,
             tick_ns: scene.params.tick_ns(),
@@ -93,9 +109,29 @@ impl StatusOutlet {
         }
     }
 
+    /// Depth of each site by the scene.
+    pub fn depths(&self) -> &[TrueDepth] {
+        &self.depths
+    }
+
     /// Sets the number of display frames that were dropped.
     pub fn frames_dropped(&mut self, frames: u64) {
         self.numbers.frames_dropped = frames;
+    }
+
+    /// Takes a client's event about its haptic device. A text that is no such event is ignored.
+    pub fn device(&mut self, json: &str) {
+        let Ok(said) = serde_json::from_str::<Device>(json) else {
+            return;
+        };
+        let is_name = |byte: u8| byte.is_ascii_lowercase() || byte == b'_';
+        if said.stage.len() > STAGE_BYTES || !said.stage.bytes().all(is_name) {
+            return;
+        }
+        if let Some(tool) = self.numbers.tools.get_mut(said.tool) {
+            tool.device_stage = said.stage;
+            tool.device_limited = said.limited_periods;
+        }
     }
 
     /// Takes a tick. `events` has taken it before.
@@ -116,6 +152,8 @@ impl StatusOutlet {
                 tool.peak_force_n = force;
             }
             let age_ms = u64::from(row.input.tools[k].age_ticks) * self.tick_ns / 1_000_000;
+            let now = events.standing(k).map_or(0, |at| zone(at.zone));
+            tool.peak_zone = tool.peak_zone.max(now);
             tool.present = out.status & status::ABSENT == 0;
             tool.force_n = force;
             tool.status = out.status;
@@ -130,6 +168,7 @@ impl StatusOutlet {
             tool.tooth = standing.map_or(0, |at| at.tooth);
             tool.site = standing.map_or_else(String::new, |at| at.site.name().to_owned());
             tool.depth_mm = standing.map_or(0.0, |at| (at.depth * 1e3) as f32);
+            tool.true_depth_mm = standing.map_or(0.0, |at| true_depth(&self.depths, at));
             tool.floor_force_n = standing.map_or(0.0, |at| at.force as f32);
             tool.zone = standing.map_or(0, |at| zone(at.zone));
         }
@@ -153,13 +192,9 @@ impl StatusOutlet {
         }
         for tool in &mut numbers.tools {
             tool.peak_force_n = 0.0;
+            tool.peak_zone = 0;
         }
     }
-}
-
-fn zone(zone: ForceZone) -> u8 {
-    let found = ForceZone::ALL.iter().position(|other| *other == zone);
-    found.map_or(0, |k| k as u8)
 }
 
 #[cfg(test)]
@@ -170,15 +205,41 @@ mod tests {
 
     use super::*;
 
-    #[test]
-    fn a_status_holds_the_peak_since_the_last_one_and_counts_what_is_missing() {
-        let scene = Scene {
+    fn empty() -> Scene {
+        Scene {
             name: String::new(),
             source_hash: String::new(),
             params: Default::default(),
             tools: vec![],
             objects: vec![],
+        }
+    }
+
+    #[test]
+    fn a_status_has_the_stage_of_a_device_and_no_text_of_a_client() {
+        let scene = empty();
+        let mut outlet = StatusOutlet::new(&scene, Arc::default());
+        let event = |tool: usize, stage: &str| {
+            format!("{{\"tool\":{tool},\"stage\":\"{stage}\",\"trips\":1,\"limited_periods\":7}}")
         };
+        outlet.device(&event(1, "tripped_driver"));
+        for other in [
+            event(1, "<b>x</b>"),
+            event(1, &"a".repeat(33)),
+            event(2, "live"),
+            "{".to_owned(),
+        ] {
+            outlet.device(&other);
+        }
+        let [none, device] = &outlet.numbers.tools;
+        assert_eq!((none.device_stage.as_str(), none.device_limited), ("", 0));
+        let found = (device.device_stage.as_str(), device.device_limited);
+        assert_eq!(found, ("tripped_driver", 7));
+    }
+
+    #[test]
+    fn a_status_holds_the_peak_since_the_last_one_and_counts_what_is_missing() {
+        let scene = empty();
         let events = Events::new(&scene, &Exercise::free("free", 1.0));
         let live = Arc::<Live>::default();
         let mut outlet = StatusOutlet::new(&scene, live.clone());

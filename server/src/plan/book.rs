@@ -357,6 +357,9 @@ impl StationPlan {
             "force limit",
             plan.force_limit_n.map(|limit| format!("{limit} N")),
         );
+        let at_hand = plan.tick_at_hand;
+        let ends = at_hand.map(|may| if may { "server or hand" } else { "server" });
+        part("ticks at", ends.map(str::to_owned));
         part(
             "detail budget",
             plan.detail_budget_us.map(|budget| format!("{budget} us")),

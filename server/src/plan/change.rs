@@ -75,6 +75,9 @@ pub struct PlanChange {
         skip_serializing_if = "Option::is_none"
     )]
     pub force_limit_n: Option<f32>,
+    /// [`Plan::tick_at_hand`].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub tick_at_hand: Option<bool>,
     /// [`Plan::detail_budget_us`].
     #[serde(
         deserialize_with = "fields::detail_budget_us",
@@ -106,7 +109,7 @@ impl fmt::Display for Fault {
 
 impl PlanChange {
     /// Names of all parts, as in files.
-    pub const NAMES: [&'static str; 12] = [
+    pub const NAMES: [&'static str; 13] = [
         "exercise",
         "scene",
         "patient_seed",
@@ -118,6 +121,7 @@ impl PlanChange {
         "resume_within_s",
         "clock_in_gap",
         "force_limit_n",
+        "tick_at_hand",
         "detail_budget_us",
     ];
 
@@ -136,6 +140,7 @@ impl PlanChange {
             resume_within_s: Some(plan.resume_within_s),
             clock_in_gap: Some(plan.clock_in_gap),
             force_limit_n: plan.force_limit_n,
+            tick_at_hand: plan.tick_at_hand,
             detail_budget_us: plan.detail_budget_us,
             clear: Self::NAMES.map(str::to_owned).to_vec(),
         }
@@ -176,7 +181,7 @@ impl PlanChange {
         }
         set! {
             exercise scene patient_seed rate_hz mode learner rubric time_limit_s resume_within_s
-            clock_in_gap force_limit_n detail_budget_us
+            clock_in_gap force_limit_n tick_at_hand detail_budget_us
         }
         Ok(plan)
     }
@@ -196,6 +201,7 @@ fn clear(plan: &mut Plan, name: &str) -> Result<(), Fault> {
         "resume_within_s" => plan.resume_within_s = RESUME_WITHIN_S,
         "clock_in_gap" => plan.clock_in_gap = ClockInGap::default(),
         "force_limit_n" => plan.force_limit_n = None,
+        "tick_at_hand" => plan.tick_at_hand = None,
         "detail_budget_us" => plan.detail_budget_us = None,
         other => {
             return Err(Fault {

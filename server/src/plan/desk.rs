@@ -18,13 +18,18 @@ use crate::capacity::measure_cost;
 use crate::control_socket::{Control, StationCommand};
 use crate::station::config::{Changed, SessionPlan};
 use crate::station::door::{Door, ToStation};
-use crate::station::planner::{NewPlan, Planner};
+use crate::station::planner::{NewPlan, Planner, RecordingsState};
 use crate::{Budget, Detail};
+
+/// Author of a change after the end of a seat.
+const SEAT: &str = "end of a seat";
 
 /// Plans of the stations of a running server.
 pub struct Desk {
     book: Mutex<PlanBook>,
     doors: OnceLock<Vec<Door>>,
+    /// State of the folder of recordings; not set without a quota.
+    recordings: OnceLock<RecordingsState>,
     /// Whether the cost of a tick is measured for each plan.
     measures: bool,
 }
@@ -35,6 +40,7 @@ impl Desk {
         Arc::new(Self {
             book: Mutex::new(book),
             doors: OnceLock::new(),
+            recordings: OnceLock::new(),
             measures,
         })
     }
@@ -110,6 +116,7 @@ impl Desk {
         ready.resume_within = seconds(plan.resume_within_s);
         ready.clock_in_gap = plan.clock_in_gap == ClockInGap::Runs;
         ready.force_limit_n = plan.force_limit_n.unwrap_or(0.0);
+        ready.tick_at_hand = plan.tick_at_hand.unwrap_or(plan.mode != Mode::Exam);
         // A drawn patient is that of one session.
         ready.renews = prepared.seed.is_some() && plan.draws_its_patient();
         ready.cost = cost;
@@ -171,6 +178,11 @@ impl Planner for Desk {
         let _ = self.doors.set(doors.to_vec());
     }
 
+    fn connect_recordings(&self, state: RecordingsState) {
+        // The same server calls this once.
+        let _ = self.recordings.set(state);
+    }
+
     fn change(&self, asked: &NewPlan) -> Result<SessionPlan, String> {
         let NewPlan {
             station,
@@ -196,6 +208,20 @@ impl Planner for Desk {
         compiled
             .map(|(plan, _)| plan)
             .map_err(|error| format!("{error:#}"))
+    }
+
+    fn leave(&self, station: &str, had_task: bool) -> Result<SessionPlan, String> {
+        let nobody = PlanChange {
+            learner: Some(String::new()),
+            ..PlanChange::default()
+        };
+        // The session has ended, whatever the status that is published next still says.
+        let set = match had_task {
+            true => self.book().reset(station, SEAT, None, unix_ns()),
+            false => self.book().set(station, &nobody, SEAT, None, unix_ns()),
+        };
+        set.map_err(|error| error.to_string())?;
+        self.renew(station)
     }
 }
 
@@ -227,7 +253,8 @@ impl Control for Desk {
     fn status(&self) -> Value {
         let doors = self.doors.get().map(Vec::as_slice).unwrap_or_default();
         let stations: Vec<_> = doors.iter().map(Door::status).collect();
-        json!({ "stations": stations })
+        let recordings = self.recordings.get().map(|state| state());
+        json!({ "stations": stations, "recordings": recordings })
     }
 
     fn command(&self, station: &str, command: StationCommand, by: &str) -> Result<Value, String> {

@@ -118,6 +118,20 @@ pub(super) mod mode {
     }
 }
 
+/// Policy about the channels for viewers, by its name.
+pub(super) fn viewers<'de, D: Deserializer<'de>>(
+    from: D,
+) -> Result<Option<sulcus_sessions::ViewersPolicy>, D::Error> {
+    let name = String::deserialize(from)?;
+    let found = sulcus_sessions::ViewersPolicy::from_name(&name);
+    found.map(Some).ok_or_else(|| {
+        D::Error::custom(format!(
+            "viewers is `{}`, expected recorded or on-demand",
+            name.escape_debug()
+        ))
+    })
+}
+
 /// Opaque learner id.
 pub(super) fn learner<'de, D: Deserializer<'de>>(from: D) -> Result<Option<String>, D::Error> {
     let id = String::deserialize(from)?;

@@ -78,6 +78,9 @@ pub struct Plan {
     /// Largest force, newtons, above 0; `None`: the limit of the scene, which is the upper bound.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub force_limit_n: Option<f32>,
+    /// Whether a client may run the ticks at the hand, which then holds the compiled mouth. `None`: except in an exam.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub tick_at_hand: Option<bool>,
     /// Largest mean CPU time of a tick at the fine level of tissue, microseconds, 10 to 900; `None`: always the coarse
     /// level. A graded session needs `None`.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -98,6 +101,7 @@ impl Default for Plan {
             resume_within_s: RESUME_WITHIN_S,
             clock_in_gap: ClockInGap::default(),
             force_limit_n: None,
+            tick_at_hand: None,
             detail_budget_us: None,
         }
     }

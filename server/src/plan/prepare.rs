@@ -20,7 +20,7 @@ pub struct Prepared {
     pub scene: Scene,
     /// The same scene as bytes, for its hash and for the recording.
     pub bytes: Vec<u8>,
-    /// Text of the patient; empty for a compiled scene and for a scene without a patient.
+    /// Text of the patient; empty for a scene without a patient, and for a compiled scene that is no case.
     pub patient: String,
     /// Seed of the generated patient; `None` for any other patient. The seed of an exam is a secret until its end.
     pub seed: Option<u64>,
@@ -144,12 +144,15 @@ fn compiled_scene(plan: &Plan, path: &Path) -> anyhow::Result<Prepared> {
     let mut bytes =
         std::fs::read(path).with_context(|| format!("{}: cannot read the scene", path.shown()))?;
     let mut scene = Scene::from_bytes(&bytes).with_context(|| path.shown().to_string())?;
+    let patient = crate::cases::store::patient_of(path, &bytes);
     if let Some(rate_hz) = plan.rate_hz {
         scene.params.rate_hz = rate_hz;
         scene.validate()?;
         bytes = scene.to_bytes()?;
     }
-    Ok(of(scene, bytes))
+    let mut prepared = of(scene, bytes);
+    prepared.patient = patient.unwrap_or_default();
+    Ok(prepared)
 }
 
 /// Parts of a scene file or a built-in scene. Exercise and rubric follow.

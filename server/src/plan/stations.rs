@@ -3,6 +3,8 @@
 //! ```toml
 //! listen = "0.0.0.0:4433"            # may be left out, as all that follows but the stations
 //! recordings = "/srv/recordings"     # relative paths are relative to this file's folder
+//! viewers = "on-demand"              # channels for viewers: recorded or on-demand
+//! recordings_quota_gb = 500          # no session begins that would exceed it
 //!
 //! [class]
 //! name = "2026 autumn"
@@ -20,15 +22,17 @@
 //! plan = { mode = "exam", time_limit_s = 1800 }
 //! ```
 
+use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 
 use serde::Deserialize;
 use serde::de::IgnoredAny;
+use sulcus_sessions::ViewersPolicy;
 
 use super::Plan;
 use super::change::PlanChange;
 use super::error::{PlanError, content, line_of};
-use super::fields::plain;
+use super::fields::{plain, viewers};
 use super::names::{EXPECTED, is_station_name};
 
 /// Largest number of stations of one server.
@@ -37,6 +41,9 @@ pub const MOST_STATIONS: usize = 64;
 const MOST_BYTES: u64 = 256 * 1024;
 /// Planned hours of a station unless the file says otherwise. Chosen: a school day.
 pub const HOURS: f64 = 8.0;
+
+/// Quotas of the folder of recordings that are valid, gigabytes.
+const QUOTA_GB: RangeInclusive<f64> = 0.001..=1_000_000.0;
 
 /// A station and its plan.
 #[derive(Clone, Debug, PartialEq)]
@@ -54,6 +61,10 @@ pub struct StationsFile {
     pub listen: Option<String>,
     /// Folder for recordings; `None`: the folder of the command line or its default.
     pub recordings: Option<PathBuf>,
+    /// Policy of the recordings about the channels for viewers; `None`: that of the command line or its default.
+    pub viewers: Option<ViewersPolicy>,
+    /// Bytes that the folder of recordings may have; `None`: no quota.
+    pub recordings_quota: Option<u64>,
     /// Name of the class; may be empty.
     pub class: String,
     /// Planned hours of each station.
@@ -67,6 +78,9 @@ pub struct StationsFile {
 struct Raw {
     listen: Option<String>,
     recordings: Option<PathBuf>,
+    #[serde(default, deserialize_with = "viewers")]
+    viewers: Option<ViewersPolicy>,
+    recordings_quota_gb: Option<f64>,
     #[serde(default)]
     class: RawClass,
     #[serde(default)]
@@ -119,7 +133,10 @@ impl StationsFile {
             why,
         };
         let line_with = |key: &str| {
-            let begins = |line: &str| line.trim_start().starts_with(key);
+            let begins = |line: &str| {
+                let rest = line.trim_start().strip_prefix(key);
+                rest.is_some_and(|rest| rest.trim_start().starts_with('='))
+            };
             text.lines().position(begins).map_or(1, |line| line + 1)
         };
         for (field, value) in [
@@ -142,6 +159,12 @@ impl StationsFile {
         if !(hours.is_finite() && (0.1..=10_000.0).contains(&hours)) {
             let why = format!("class.hours is {hours}, expected 0.1 to 10000 h");
             return Err(wrong(line_with("hours"), why));
+        }
+        let quota = raw.recordings_quota_gb;
+        if let Some(gb) = quota.filter(|gb| !(gb.is_finite() && QUOTA_GB.contains(gb))) {
+            let (least, most) = (QUOTA_GB.start(), QUOTA_GB.end());
+            let why = format!("recordings_quota_gb is {gb}, expected {least} to {most} GB");
+            return Err(wrong(line_with("recordings_quota_gb"), why));
         }
         let found = raw.station.len();
         if found == 0 || found > MOST_STATIONS {
@@ -183,6 +206,8 @@ impl StationsFile {
         Ok(Self {
             listen: raw.listen,
             recordings: raw.recordings.map(|recordings| folder.join(recordings)),
+            viewers: raw.viewers,
+            recordings_quota: quota.map(|gb| (gb * 1e9) as u64),
             class: raw.class.name,
             hours,
             stations,

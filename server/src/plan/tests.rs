@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use proptest::prelude::*;
-use sulcus_sessions::Mode;
+use sulcus_sessions::{Mode, ViewersPolicy};
 
 use super::*;
 use crate::state::StateFolder;
@@ -45,6 +45,8 @@ fn the_example_of_the_module_is_read() {
     let read = file(&example).expect("valid");
     assert_eq!(read.listen.as_deref(), Some("0.0.0.0:4433"));
     assert_eq!((read.class.as_str(), read.hours), ("2026 autumn", 40.0));
+    assert_eq!(read.viewers, Some(ViewersPolicy::OnDemand));
+    assert_eq!(read.recordings_quota, Some(500_000_000_000));
     let [one, two] = &read.stations[..] else {
         panic!("{read:?}");
     };
@@ -120,10 +122,26 @@ fn a_fault_is_said_with_file_line_name_and_range() {
             vec!["line 1", "listen"],
         ),
         (
+            "viewers = \"off\"\n[[station]]\nname = \"a\"\n".into(),
+            vec!["line 1", "viewers is `off`", "recorded or on-demand"],
+        ),
+        (
             "[class]\nhours = 0\n[[station]]\nname = \"a\"\n".into(),
             vec!["line 2", "hours is 0"],
         ),
         ("[[station]]\nplan = {}\n".into(), vec!["line 1", "name"]),
+        (
+            "recordings = \"r\"\nrecordings_quota_gb = -1\n[[station]]\nname = \"a\"\n".into(),
+            vec!["line 2", "recordings_quota_gb is -1", "0.001 to 1000000 GB"],
+        ),
+        (
+            "recordings_quota_gb = nan\n[[station]]\nname = \"a\"\n".into(),
+            vec!["line 1", "recordings_quota_gb is NaN"],
+        ),
+        (
+            "recordings_quota_gb = \"5\"\n[[station]]\nname = \"a\"\n".into(),
+            vec!["line 1"],
+        ),
     ] {
         let told = file(&text).expect_err(&text);
         assert!(
@@ -402,6 +420,7 @@ fn any_change() -> impl Strategy<Value = PlanChange> {
         detail_budget_us: numbers.4,
         mode: choices.0,
         clock_in_gap: choices.1,
+        tick_at_hand: choices.1.map(|clock| clock == ClockInGap::Runs),
         clear: Vec::new(),
     })
 }

@@ -4,7 +4,7 @@ use std::net::SocketAddr;
 use std::path::PathBuf;
 
 use clap::Args;
-use sulcus_sessions::Mode;
+use sulcus_sessions::{Mode, ViewersPolicy};
 
 use crate::commands::StateArgs;
 
@@ -33,6 +33,8 @@ Examples:
 File of --config:
   listen = \"0.0.0.0:4433\"
   recordings = \"/srv/recordings\"
+  viewers = \"on-demand\"
+  recordings_quota_gb = 500        # no session begins that would exceed it
   [class]
   name = \"2026 autumn\"
   [defaults]
@@ -43,7 +45,7 @@ File of --config:
   name = \"room3-2\"
   plan = { mode = \"exam\", time_limit_s = 1800 }
 Parts of a plan: exercise, scene, patient_seed, rate_hz, mode, learner, rubric, time_limit_s, resume_within_s, clock_in_gap,
-  force_limit_n, detail_budget_us. `sulcus-server plan` shows and changes plans of the running server.
+  force_limit_n, tick_at_hand, detail_budget_us. `sulcus-server plan` shows and changes plans of the running server.
 
 Firewall: open the UDP port of --listen for incoming packets. The server opens no connection by itself.
 Real-time scheduling: `setcap cap_sys_nice,cap_ipc_lock+ep sulcus-server`, or `ulimit -r 50` and `ulimit -l unlimited`.
@@ -93,6 +95,10 @@ pub struct ServeArgs {
     /// Folder for recordings. A missing folder is created [default: that of --config, else recordings]
     #[arg(long, value_name = "DIR")]
     pub recordings: Option<PathBuf>,
+    /// Channels for viewers of the recordings. on-demand: not written; `sulcus-sessions viewers` makes them from the
+    /// exact rows [default: that of --config, else recorded]
+    #[arg(long, value_enum)]
+    pub viewers: Option<ViewersPolicy>,
     /// Secret of the only station's student besides the stored tokens, 1 to 256 bytes. Other users of the machine see
     /// this option, but not the environment variable SULCUS_TOKEN. Default: SULCUS_TOKEN, else a new random token
     #[arg(long, value_name = "T")]
@@ -138,6 +144,14 @@ pub struct ServeArgs {
     /// ~/.local/state/sulcus
     #[arg(long, value_name = "FILE")]
     pub key: Option<PathBuf>,
+    /// TCP address of the instructor's console (HTTPS, by the server's own certificate). Needs a build with `--features
+    /// console`. Default: no console
+    #[arg(long, value_name = "ADDR:PORT")]
+    pub console: Option<SocketAddr>,
+    /// Folder with clients of this release, which the console offers for download. Default: share/sulcus/clients beside
+    /// the folder of the program, if there is one
+    #[arg(long, value_name = "DIR")]
+    pub clients: Option<PathBuf>,
     /// Do not request real-time scheduling and locked memory
     #[arg(long)]
     pub no_realtime: bool,

@@ -1,6 +1,7 @@
 //! `sulcus-server serve`: runs stations until Ctrl-C.
 
 mod args;
+mod page;
 mod renewal;
 mod signals;
 
@@ -12,8 +13,10 @@ use serde_json::json;
 use sulcus_program::{PathText, ProgressLines, say, tell};
 use sulcus_proto::SessionSummary;
 use sulcus_proto::hex::hex;
+use sulcus_sessions::ViewersPolicy;
 
 pub use args::ServeArgs;
+use page::Page;
 use renewal::Renewal;
 
 use crate::check::{CheckInput, check};
@@ -35,6 +38,8 @@ const STATION: &str = "station";
 struct Asked {
     listen: String,
     recordings: PathBuf,
+    viewers: ViewersPolicy,
+    recordings_quota: Option<u64>,
     stations: Vec<Station>,
     hours: f64,
 }
@@ -54,6 +59,8 @@ pub fn run(args: &ServeArgs) -> anyhow::Result<u8> {
             listen: asked.listen,
             state: args.state.folder.clone(),
             recordings: asked.recordings,
+            viewers: asked.viewers,
+            recordings_quota: asked.recordings_quota,
             key: args.key.clone(),
             stations: asked.stations,
             hours: asked.hours,
@@ -91,7 +98,9 @@ pub fn run(args: &ServeArgs) -> anyhow::Result<u8> {
     }
     let first = stations.first().context("no station")?.clone();
     let mut config = ServerConfig::new(first, asked.recordings.clone())?;
+    config.viewers = asked.viewers;
     config.stations = stations.clone();
+    config.recordings_quota = asked.recordings_quota;
     config.station_key = Some(args.key.clone().unwrap_or_else(|| state.station_key()));
     config.journal = Some(state.file("running"));
     config.identity = Some((
@@ -99,25 +108,47 @@ pub fn run(args: &ServeArgs) -> anyhow::Result<u8> {
         identity.key().secret_der().to_vec(),
     ));
     config.tokens = Arc::new(tokens);
+    config.codes = Arc::new(state.clone());
     config.planner = desk.clone();
     config.metrics = args.metrics;
+    config.clients = clients(args.clients.as_deref())?;
     config.real_time = !args.no_realtime;
     if let Some(token) = own_token(args) {
         config.token = token;
     }
-    let server = start(config, &asked.listen)?;
+    let server = start(config.clone(), &asked.listen)?;
+    let page = Page::start(args.console, &server, &config, &state)?;
     if let Some(path) = &args.certificate_out {
         renewal::write(path, server.certificate_der())?;
     }
     let control = control_socket::serve(claimed, desk)?;
-    announce(&server, &stations, args.json);
+    announce(&server, &stations, &page, args.json);
     let mut renewal = Renewal::new(state, &identity, args.certificate_out.clone());
-    signals::wait_for_signal(&server, || renewal.look(&server))?;
+    signals::wait_for_signal(&server, || {
+        renewal.look(&server, &page);
+    })?;
     tell!("the server is ending; running sessions are closed and their recordings signed");
-    drop(control);
+    drop((control, page));
     server.shutdown();
     let sessions = server.join()?;
     Ok(report(&sessions, &asked.recordings, args.json))
+}
+
+/// Folder of clients for download: the given one, else that of an installation if it exists.
+fn clients(given: Option<&Path>) -> anyhow::Result<Option<PathBuf>> {
+    if let Some(folder) = given {
+        if !folder.is_dir() {
+            bail!("--clients {} is not a folder", folder.shown());
+        }
+        return Ok(Some(std::path::absolute(folder)?));
+    }
+    let program = std::env::current_exe().ok();
+    let prefix = program
+        .as_deref()
+        .and_then(Path::parent)
+        .and_then(Path::parent);
+    let folder = prefix.map(|prefix| prefix.join("share/sulcus/clients"));
+    Ok(folder.filter(|folder| folder.is_dir()))
 }
 
 /// Token of the command line or of the environment.
@@ -169,6 +200,11 @@ fn asked(args: &ServeArgs) -> anyhow::Result<Asked> {
         recordings: recordings
             .or(file_recordings)
             .unwrap_or_else(|| RECORDINGS.into()),
+        viewers: args
+            .viewers
+            .or(file.as_ref().and_then(|file| file.viewers))
+            .unwrap_or_default(),
+        recordings_quota: file.as_ref().and_then(|file| file.recordings_quota),
         hours: file.map_or(crate::plan::stations::HOURS, |file| file.hours),
         stations,
     })
@@ -224,7 +260,7 @@ fn start(mut config: ServerConfig, listen: &str) -> anyhow::Result<ServerHandle>
     bail!("{}", refused.join("; "))
 }
 
-fn announce(server: &ServerHandle, stations: &[StationConfig], json: bool) {
+fn announce(server: &ServerHandle, stations: &[StationConfig], page: &Page, json: bool) {
     let Some(first) = stations.first() else {
         return;
     };
@@ -238,7 +274,8 @@ fn announce(server: &ServerHandle, stations: &[StationConfig], json: bool) {
             "address": address.to_string(), "addresses": addresses, "listen": listen.to_string(),
             "token": ticket.token,
             "certificate_sha256": fingerprint, "ticket": ticket.to_string(),
-            "scene": scene, "exercise": exercise,
+            "scene": scene, "exercise": exercise, "console": page.address(),
+            "first_administrator": page.first(),
             "stations": stations.iter().map(|one| json!({
                 "station": one.name, "exercise": one.plan.exercise.name, "scene": one.plan.scene.name,
                 "mode": one.plan.mode.name(),
@@ -273,6 +310,12 @@ fn announce(server: &ServerHandle, stations: &[StationConfig], json: bool) {
         say!("  token        {}", ticket.token);
         say!("  certificate  {fingerprint} (SHA-256)");
         say!("  ticket       {ticket}");
+        if let Some(address) = page.address() {
+            say!("instructor's console: https://{address}");
+        }
+        if let Some(link) = page.first() {
+            say!("first administrator, once within an hour: {link}");
+        }
         say!("Ctrl-C ends running sessions and the server.");
     }
 }

@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Context;
 
+use super::page::Page;
 use crate::ServerHandle;
 use crate::state::{ServerIdentity, StateFolder};
 use sulcus_program::{PathText, tell};
@@ -33,8 +34,8 @@ impl Renewal {
 
     /// Reads the file of the identity. A new certificate is used for all connections from now on; open connections
     /// stay.
-    pub fn look(&mut self, server: &ServerHandle) {
-        let fault = match self.take(server) {
+    pub fn look(&mut self, server: &ServerHandle, page: &Page) {
+        let fault = match self.take(server, page) {
             Ok(()) => None,
             Err(error) => Some(format!("{error:#}")),
         };
@@ -46,7 +47,7 @@ impl Renewal {
         self.fault = fault;
     }
 
-    fn take(&mut self, server: &ServerHandle) -> anyhow::Result<()> {
+    fn take(&mut self, server: &ServerHandle, page: &Page) -> anyhow::Result<()> {
         // No file: someone moves the folder. The identity in use is kept in memory.
         let Some(found) = ServerIdentity::load(&self.folder)? else {
             return Ok(());
@@ -56,6 +57,7 @@ impl Renewal {
                 write(path, found.certificate_der())?;
             }
             server.renew(found.certificate_der(), found.key().secret_der())?;
+            page.renew(found.certificate_der(), found.key().secret_der())?;
             self.fingerprint = found.fingerprint();
             tell!(
                 "new certificate {} (SHA-256): new connections need tickets that end in it",

@@ -19,6 +19,16 @@ pub enum Detail {
     ByTime(Budget),
 }
 
+impl Detail {
+    /// The one level; `None` for a choice by time.
+    pub fn fixed(self) -> Option<u8> {
+        match self {
+            Self::Fixed(level) => Some(level),
+            Self::ByTime(_) => None,
+        }
+    }
+}
+
 impl Default for Detail {
     fn default() -> Self {
         Detail::Fixed(0)

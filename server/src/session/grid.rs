@@ -36,13 +36,15 @@ impl Grid {
         }
     }
 
-    /// Begins the grid now: the first point is one period later. `unix_ns` is the time since 1970. Crowded ticks leave
-    /// points out if `real_time`, because only real-time threads keep others from running.
-    pub fn begin(&mut self, now_ns: u64, unix_ns: u64, real_time: bool) {
+    /// Begins the grid at or within a period after now, so that all points lie `phase_ns` after a multiple of the
+    /// period: the first point is one period later. `unix_ns` is the time since 1970. Crowded ticks leave points out if
+    /// `real_time`, because only real-time threads keep others from running.
+    pub fn begin(&mut self, now_ns: u64, unix_ns: u64, real_time: bool, phase_ns: u64) {
+        let early_ns = (self.tick_ns - now_ns % self.tick_ns + phase_ns) % self.tick_ns;
         *self = Self {
-            begin_ns: now_ns,
-            next_ns: now_ns + self.tick_ns,
-            unix_at_begin: unix_ns,
+            begin_ns: now_ns + early_ns,
+            next_ns: now_ns + early_ns + self.tick_ns,
+            unix_at_begin: unix_ns + early_ns,
             leaves_out: real_time,
             ..Self::new(self.tick_ns)
         };
@@ -111,7 +113,7 @@ mod tests {
 
     fn grid() -> Grid {
         let mut grid = Grid::new(TICK_NS);
-        grid.begin(0, 0, true);
+        grid.begin(0, 0, true, 0);
         grid
     }
 
@@ -127,6 +129,23 @@ mod tests {
             let mut grid = grid();
             assert_eq!(grid.advance(now), (point * TICK_NS, skipped), "{now}");
             assert_eq!(grid.next_ns(), (point + 1) * TICK_NS);
+        }
+    }
+
+    #[test]
+    fn points_have_the_phase_and_the_time_of_the_day_whenever_the_grid_begins() {
+        for now in [0, 1, TICK_NS - 1, 7 * TICK_NS + 90_000] {
+            for phase in [0, 1, 90_000, TICK_NS - 1] {
+                let mut grid = Grid::new(TICK_NS);
+                grid.begin(now, 1_000_000_000 + now, true, phase);
+                let first = grid.next_ns();
+                assert_eq!(first % TICK_NS, phase, "from {now}");
+                assert!(
+                    (now + TICK_NS..now + 2 * TICK_NS).contains(&first),
+                    "{first}"
+                );
+                assert_eq!(grid.unix_ns(first), 1_000_000_000 + first);
+            }
         }
     }
 

@@ -126,6 +126,8 @@ pub(crate) struct Flags {
     pub stop: AtomicBool,
     /// Recorder to network: writing failed or the recorder panicked, so the session must end.
     pub record_failed: AtomicBool,
+    /// Ticks at the hand to station: they differ from the server's, or broke a rule.
+    pub diverged: AtomicBool,
     /// Simulation to network: the thread ends, by request or by a panic.
     pub simulation_over: AtomicBool,
     /// Fault that a test asks for; 0 for none.

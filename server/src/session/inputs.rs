@@ -21,6 +21,8 @@ pub(crate) struct Inputs {
     gone: bool,
     /// Age of the pose at the last tick, microseconds.
     age_us: u32,
+    /// Age of the pose at the first tick that used it, microseconds. `None`: no tick has used it yet.
+    wait_us: Option<u32>,
     /// Pause and force limit for the next tick.
     pub in_force: InForce,
     /// Level of detail for the next tick.
@@ -38,6 +40,7 @@ impl Inputs {
             pose: None,
             gone: false,
             age_us: 0,
+            wait_us: None,
             in_force: InForce::default(),
             detail: 0,
             pressed: [0; MAX_TOOLS],
@@ -48,6 +51,7 @@ impl Inputs {
     pub fn pose(&mut self, pose: Option<PoseIn>) {
         self.gone = pose.is_none();
         self.pose = pose;
+        self.wait_us = None;
     }
 
     /// Whether the student is gone.
@@ -58,6 +62,11 @@ impl Inputs {
     /// Newest pose; `None` before the first one.
     pub fn newest(&self) -> Option<&PoseIn> {
         self.pose.as_ref()
+    }
+
+    /// Age of the pose at the first tick that used it, microseconds; 0 before that tick.
+    pub fn wait_us(&self) -> u32 {
+        self.wait_us.unwrap_or(0)
     }
 
     /// Samples of the devices behind the input of a tick: of each present tool the newest reading.
@@ -100,6 +109,7 @@ impl Inputs {
         // The pose may have arrived after `now_ns` was read.
         let age_ns = now_ns.saturating_sub(pose.arrived_ns);
         self.age_us = u32::try_from(age_ns / 1000).unwrap_or(u32::MAX);
+        self.wait_us.get_or_insert(self.age_us);
         let stale = Duration::from_nanos(age_ns) >= limits::POSE_STALE;
         let age_ticks = u16::try_from(age_ns / self.tick_ns).unwrap_or(u16::MAX);
         for (slot, tool) in pose.datagram.tools.iter().take(self.tools).enumerate() {
@@ -165,6 +175,20 @@ mod tests {
         );
         inputs.pose(Some(pose(100_000 * TICK_NS, [true, false])));
         assert!(!inputs.take(100_000 * TICK_NS, 0).tools[0].stale);
+    }
+
+    /// At a lower rate of the wrenches, most ticks that are sent use a pose for the second time.
+    #[test]
+    fn the_wait_of_a_pose_is_that_of_its_first_tick() {
+        let mut inputs = Inputs::new(1, TICK_NS);
+        for (arrived, waits) in [(TICK_NS / 4, 750), (4 * TICK_NS + TICK_NS / 2, 500)] {
+            inputs.pose(Some(pose(arrived, [true, false])));
+            let first = (arrived / TICK_NS + 1) * TICK_NS;
+            for later in 0..3 {
+                inputs.take(first + later * TICK_NS, 0);
+                assert_eq!(inputs.wait_us(), waits);
+            }
+        }
     }
 
     #[test]

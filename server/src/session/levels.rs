@@ -8,6 +8,8 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use sulcus_proto::control::Command;
+use sulcus_proto::datagram::{WireLevels, smaller_limit};
+use tokio::sync::Notify;
 
 /// Pause and force limit of one side.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -37,17 +39,19 @@ impl InForce {
 
     /// The smallest limit, newtons; 0: the scene's limit.
     pub fn force_limit_n(&self) -> f32 {
-        let sides = smaller(self.station.force_limit_n, self.student.force_limit_n);
-        smaller(sides, self.plan_limit_n)
+        let sides = smaller_limit(self.station.force_limit_n, self.student.force_limit_n);
+        smaller_limit(sides, self.plan_limit_n)
     }
-}
 
-/// The smaller of two limits; 0 stands for none.
-fn smaller(a: f32, b: f32) -> f32 {
-    match (a, b) {
-        (0.0, only) | (only, 0.0) => only,
-        (a, b) if a < b => a,
-        (_, b) => b,
+    /// The levels on the wire, after `commands` commands of the station's side.
+    pub fn on_the_wire(&self, commands: u64) -> WireLevels {
+        WireLevels {
+            paused_by_station: self.station.paused,
+            paused_by_student: self.student.paused,
+            force_limit_n: self.force_limit_n(),
+            // Wraps, as the wire's number does.
+            commands: commands as u32,
+        }
     }
 }
 
@@ -116,6 +120,8 @@ pub(crate) struct Levels {
     student: Arc<Word>,
     /// Number of commands of the station's side so far. A tick that has read number n obeys the first n commands.
     commands: Arc<AtomicU64>,
+    /// Wakes the connection of a student whose ticks run at the hand.
+    changed: Arc<Notify>,
     /// Force limit of the session's plan, newtons; 0 for none.
     plan_limit_n: f32,
 }
@@ -135,7 +141,13 @@ impl Levels {
         let taken = self.station.take(command);
         // After the word: a tick that reads the new number reads the new word too.
         self.commands.fetch_add(1, Ordering::AcqRel);
+        self.changed.notify_one();
         taken
+    }
+
+    /// Waits for a command of the station's side that has not been awaited yet.
+    pub async fn changed(&self) {
+        self.changed.notified().await;
     }
 
     /// Number of commands of the station's side so far.

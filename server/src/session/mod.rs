@@ -1,6 +1,8 @@
 //! Session: simulation thread at SCHED_FIFO, its inputs, and the wait-free hand-overs to the other threads.
 
+pub(crate) mod at_hand;
 pub(crate) mod changes;
+pub(crate) mod coupling;
 pub mod detail;
 pub(crate) mod gaps;
 mod grid;
@@ -9,6 +11,7 @@ pub(crate) mod inputs;
 pub(crate) mod levels;
 pub(crate) mod metrics;
 pub(crate) mod precedence;
+pub(crate) mod queue;
 pub(crate) mod realtime;
 pub(crate) mod running;
-mod simulation;
+pub(crate) mod simulation;

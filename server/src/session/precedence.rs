@@ -7,8 +7,9 @@
 //! by the network would make the machine fuller. On a full core a station behind the others would also starve: after
 //! five periods without an end of its tick every other station leaves out a grid point.
 
-use std::sync::Arc;
+use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
 
 use super::realtime::PRIORITY;
 
@@ -25,9 +26,15 @@ const STAY_S: u64 = 2;
 /// Periods without an end of a tick after which the other stations give way.
 const STARVED_PERIODS: u64 = 5;
 
-/// Places behind the others, shared by the stations of a server.
+/// Fraction of the golden ratio, in 2^-64. Its multiples, modulo one, divide a period evenly for any number of
+/// sessions.
+const GOLDEN: u64 = 0x9E37_79B9_7F4A_7C15;
+
+/// Places behind the others, and phases of the ticks, shared by the stations of a server.
 #[derive(Debug)]
 pub(crate) struct Places {
+    /// For each core the number of sessions begun so far; `None`: sessions that are bound to no core.
+    begun: Mutex<BTreeMap<Option<usize>, u64>>,
     /// For each place the end of its station's newest tick, nanoseconds of the monotonic clock; 0 for a free place.
     ended_ns: Vec<AtomicU64>,
 }
@@ -37,8 +44,19 @@ impl Places {
     pub fn of(stations: usize) -> Self {
         let places = (stations / 8).max(1);
         Self {
+            begun: Mutex::default(),
             ended_ns: (0..places).map(|_| AtomicU64::new(0)).collect(),
         }
+    }
+
+    /// Phase of the ticks of a new session on `core` in their period. The ticks of successive sessions on one core are
+    /// staggered, so that they wait little for each other.
+    pub fn phase_ns(&self, core: Option<usize>, tick_ns: u64) -> u64 {
+        let mut begun = self.begun.lock().unwrap_or_else(PoisonError::into_inner);
+        let begun = begun.entry(core).or_default();
+        let share = begun.wrapping_mul(GOLDEN);
+        *begun += 1;
+        ((u128::from(share) * u128::from(tick_ns)) >> 64) as u64
     }
 
     /// Takes a free place, if there is one.
@@ -135,6 +153,26 @@ impl Drop for Precedence {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn ticks_of_the_sessions_of_a_core_are_staggered_over_the_period() {
+        const TICK_NS: u64 = 1_000_000;
+        for (cores, sessions) in [(1, 2), (1, 16), (2, 5), (5, 6), (8, 4), (13, 3)] {
+            let places = Places::of(sessions);
+            // Sessions go to the cores in turn.
+            let begun = (0..cores * sessions).map(|k| places.phase_ns(Some(k % cores), TICK_NS));
+            let mut sorted: Vec<u64> = begun.skip(cores - 1).step_by(cores).collect();
+            assert_eq!(sorted.len(), sessions);
+            sorted.sort_unstable();
+            sorted.push(sorted[0] + TICK_NS);
+            let nearest = sorted.windows(2).map(|pair| pair[1] - pair[0]).min();
+            let even = TICK_NS as f64 / sessions as f64;
+            assert!(
+                nearest.is_some_and(|nearest| nearest as f64 >= even / 2.0),
+                "{sessions} sessions: {nearest:?} of {even}"
+            );
+        }
+    }
 
     /// Priority after each change, for a session whose ticks are long in some places.
     fn changes(is_long: impl Fn(u64) -> bool) -> Vec<(u64, i32)> {

@@ -17,6 +17,7 @@ use crate::net::datagrams::Datagrams;
 use crate::outlets::opening::{self, Opening};
 use crate::outlets::recording;
 use crate::outlets::recording::{EVENTS, FromNetwork, Report, Returned};
+use crate::session::at_hand::{HandPort, HandTicks};
 use crate::session::handoff::{
     Attachment, Flags, Pressed, Progress, Provoked, SHAPES, SNAPSHOTS, WrenchOut,
     looks as looks_for, rows,
@@ -24,6 +25,7 @@ use crate::session::handoff::{
 use crate::session::levels::Levels;
 use crate::session::metrics::Metrics;
 use crate::session::precedence::Places;
+use crate::session::queue::Rings;
 use crate::session::simulation::Simulation;
 
 /// Largest sum of a client's events in one session, bytes of kind and content. A client must not fill the disk.
@@ -58,9 +60,17 @@ impl Events {
     }
 
     fn push(&mut self, event: Event) {
-        let bytes = self.bytes + event.kind.len() + event.json.len();
+        let to_recorder = self.to_recorder.clone();
         // A recorder that has ended has raised its flag, after a panic by its alarm.
-        if bytes <= EVENT_BYTES && self.to_recorder.try_send(FromNetwork::Event(event)).is_ok() {
+        self.push_to(event, |event| {
+            to_recorder.try_send(FromNetwork::Event(event)).is_ok()
+        });
+    }
+
+    /// Passes an event within the limits to `take`, which returns whether it has taken the event.
+    fn push_to(&mut self, event: Event, take: impl FnOnce(Event) -> bool) {
+        let bytes = self.bytes + event.kind.len() + event.json.len();
+        if bytes <= EVENT_BYTES && take(event) {
             self.bytes = bytes;
             return;
         }
@@ -85,9 +95,16 @@ pub(crate) struct Ports {
     flags: Arc<Flags>,
     progress: Arc<Progress>,
     attachment: Arc<Attachment>,
+    /// Ends of ticks at the hand; `None` if the server ticks.
+    hand: Option<HandPort>,
 }
 
 impl Ports {
+    /// Ends of ticks at the hand; `None` if the server ticks.
+    pub fn hand(&self) -> Option<&HandPort> {
+        self.hand.as_ref()
+    }
+
     /// Datagrams of the session. The lock is held for one datagram at most, and never across an `await`.
     pub fn datagrams(&self) -> MutexGuard<'_, Datagrams> {
         // After a panic of a connection the datagrams are whole: each step leaves them consistent.
@@ -117,6 +134,13 @@ impl Ports {
         self.datagrams().let_go();
     }
 
+    /// A student is back over another connection.
+    pub fn returned(&self) {
+        if let Some(hand) = &self.hand {
+            hand.returned();
+        }
+    }
+
     /// Begins the epoch of a new connection, or of the end of a pause.
     pub fn begin_epoch(&self, epoch: u32) {
         self.attachment.epoch.store(epoch, Ordering::Release);
@@ -135,7 +159,19 @@ impl Ports {
 
     /// Passes an event of the client to the recorder. An event above the limits is dropped and counted.
     pub fn event(&self, event: Event) {
-        self.events().push(event);
+        let mut events = self.events();
+        match &self.hand {
+            // The recorder must not hear of a tick before it has the tick.
+            Some(hand) => events.push_to(event, |event| hand.event(event)),
+            None => events.push(event),
+        }
+    }
+
+    /// Passes an event of the station to the recorder at the end of the session. Waits for room.
+    fn say(&self, occurrence: Occurrence) {
+        let to_recorder = self.events().to_recorder.clone();
+        // A recorder that has ended has raised its flag.
+        let _ = to_recorder.send(FromNetwork::Occurrence(Box::new(occurrence)));
     }
 
     /// Passes an event of the station to the recorder. `false`: the recorder's channel is full or closed.
@@ -170,14 +206,23 @@ pub(crate) struct Begin {
     pub places: Arc<Places>,
     /// Core of the simulation; `None`: any.
     pub core: Option<usize>,
+    /// Whether the ticks run at the hand. The level of detail is then fixed.
+    pub at_hand: bool,
 }
 
 impl Running {
-    /// Opens the recording, then starts both threads. Blocks while the scene is written.
+    /// Opens the recording, then starts both threads. Blocks while the scene is written, and copied if its couplings
+    /// change.
     ///
     /// # Errors
-    /// The reason of the end and one sentence: the recording cannot be written, or a thread cannot start.
-    pub fn start(asked: Opening, begin: Begin) -> Result<Self, (EndReason, String)> {
+    /// The reason of the end and one sentence: the couplings do not fit the scene, the recording cannot be written, or
+    /// a thread cannot start.
+    pub fn start(mut asked: Opening, begin: Begin) -> Result<Self, (EndReason, String)> {
+        if !asked.softer.is_empty() {
+            let coupled = asked.plan.with_couplings(&asked.softer);
+            let coupled = coupled.map_err(|error| (EndReason::Simulation, error.to_string()))?;
+            asked.plan = Arc::new(coupled);
+        }
         let plan = asked.plan.clone();
         let recorder = opening::open(asked).map_err(|text| (EndReason::Recording, text))?;
         let start = || -> std::io::Result<Self> {
@@ -216,39 +261,61 @@ impl Running {
                 attachment.clone(),
                 bell.clone(),
             )?;
-            let simulation = Simulation {
-                scene: scene.clone(),
-                poses: poses_out,
-                levels: begin.levels,
-                pressed: pressed.clone(),
-                wrenches: wrenches_in,
-                bell: bell.clone(),
-                flags: flags.clone(),
-                progress: progress.clone(),
+            let rings = Rings {
                 entries,
                 buffers: buffers_out,
                 look,
                 looks: looks_out,
                 sampler,
                 shapes: shapes_out,
-                detail: plan.detail,
-                real_time: begin.real_time,
-                places: begin.places,
-                core: begin.core,
             };
             // After an error the recorder's channel is closed: the recorder ends, and the file has no end record.
-            let simulation = simulation.spawn()?;
+            let (simulation, hand) = if begin.at_hand {
+                let ticks = HandTicks {
+                    scene: scene.clone(),
+                    levels: begin.levels,
+                    detail: plan.detail.fixed().unwrap_or(0),
+                    bell: bell.clone(),
+                    flags: flags.clone(),
+                    progress: progress.clone(),
+                    to_recorder: to_recorder.clone(),
+                };
+                let (thread, port) = ticks.spawn(rings)?;
+                (thread, Some(port))
+            } else {
+                let simulation = Simulation {
+                    scene: scene.clone(),
+                    poses: poses_out,
+                    levels: begin.levels,
+                    pressed: pressed.clone(),
+                    wrenches: wrenches_in,
+                    bell: bell.clone(),
+                    flags: flags.clone(),
+                    progress: progress.clone(),
+                    detail: plan.detail,
+                    real_time: begin.real_time,
+                    places: begin.places,
+                    core: begin.core,
+                };
+                (simulation.spawn(rings)?, None)
+            };
             Ok(Running {
                 file_name,
                 _abandoned: Abandoned(flags.clone()),
                 ports: Arc::new(Ports {
-                    datagrams: Mutex::new(Datagrams::new(begin.epoch, poses, wrenches)),
+                    datagrams: Mutex::new(Datagrams::new(
+                        begin.epoch,
+                        scene.params.tick_ns(),
+                        poses,
+                        wrenches,
+                    )),
                     events: Mutex::new(Events::new(to_recorder)),
                     pressed,
                     bell,
                     flags,
                     progress,
                     attachment,
+                    hand,
                 }),
                 simulation,
                 recorder,
@@ -284,6 +351,9 @@ impl Running {
     /// goodbye. After the failure of a thread the summary has another reason.
     pub fn finish(self, mut summary: SessionSummary) -> (SessionSummary, String) {
         Flags::raise(&self.ports.flags.stop);
+        if let Some(hand) = &self.ports.hand {
+            hand.stop();
+        }
         summary.edges_dropped = self.ports.events().dropped;
         {
             let datagrams = self.ports.datagrams();
@@ -293,6 +363,14 @@ impl Running {
         match self.simulation.join() {
             Ok(metrics) => metrics.fill(&mut summary),
             Err(_) => summary.end = EndReason::Simulation,
+        }
+        let stopped = summary.end == EndReason::Stopped;
+        let breach = self.ports.hand.as_ref();
+        let breach = breach.and_then(|hand| hand.breach(stopped));
+        if let Some(breach) = &breach {
+            summary.end = EndReason::Diverged;
+            self.ports
+                .say(Occurrence::diverged(breach.tick, &breach.why));
         }
         // The simulation has ended: the queue holds all remaining entries.
         let to_recorder = self.ports.events().to_recorder.clone();
@@ -308,16 +386,22 @@ impl Running {
             EndReason::Recording => "The recording could not be written.",
             EndReason::Simulation => "The simulation ended unexpectedly.",
             EndReason::Instructor => "The instructor ended the session.",
+            EndReason::Diverged => {
+                "The ticks at the hand are not those of the station; the session cannot be graded."
+            }
         }
         .to_owned();
+        if let Some(breach) = breach {
+            text.push_str(&format!(" Cause, {breach}."));
+        }
         match self.recorder.join() {
             Ok(Report {
                 file_name,
                 error: None,
             }) => {
                 summary.recording = file_name;
-                summary.complete =
-                    summary.rows_dropped == 0 && summary.end != EndReason::Simulation;
+                summary.complete = summary.rows_dropped == 0
+                    && !matches!(summary.end, EndReason::Simulation | EndReason::Diverged);
                 if summary.rows_dropped > 0 {
                     text.push_str(" The recording has lost rows and cannot be graded.");
                 }

@@ -1,25 +1,22 @@
-//! The simulation thread: ticks at the scene's rate on absolute deadlines. A missed grid point is skipped, counted and
-//! recorded as input. The thread never runs two ticks to catch up.
+//! The simulation thread of a server that ticks: ticks at the scene's rate on absolute deadlines. A missed grid point
+//! is skipped, counted and recorded as input. The thread never runs two ticks to catch up.
 
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 use std::thread::JoinHandle;
 
-use rtrb::{Consumer, Producer, PushError};
 use sulcus_core::clearance::{FREE_DISTANCE, is_free};
 use sulcus_core::output::status;
-use sulcus_core::{MAX_TOOLS, NoProbe, Scene, State, TickInput, TickOutput, Vec3, Workspace, tick};
+use sulcus_core::{MAX_TOOLS, NoProbe, Scene, State, TickOutput, Workspace, tick};
 use sulcus_link::Bell;
 use sulcus_proto::WrenchDatagram;
-use sulcus_proto::datagram::{Echo, ToolWrench, WireLevels, WirePose, WireWrench};
+use sulcus_proto::datagram::{Echo, ToolWrench, WirePose, WireWrench};
 use sulcus_proto::status::FREE;
-use sulcus_sessions::exercise::events::Look;
-use sulcus_sessions::record::recorder::SNAPSHOT_EVERY_S;
-use sulcus_sessions::{Row, Sampler, Shapes};
+use sulcus_sessions::Row;
 use triple_buffer::{Input, Output};
 
 use crate::capacity::pin_to;
-use crate::outlets::recording::{Entry, Ticked};
+use crate::outlets::recording::Ticked;
 use crate::session::detail::{Chooser, Detail};
 use crate::session::grid::Grid;
 use crate::session::handoff::{Flags, PoseIn, Pressed, Progress, Provoked, WrenchOut};
@@ -27,6 +24,7 @@ use crate::session::inputs::Inputs;
 use crate::session::levels::{InForce, Levels};
 use crate::session::metrics::{Metrics, TickTimes};
 use crate::session::precedence::{Places, Precedence};
+use crate::session::queue::{Queue, Rings};
 use crate::session::realtime;
 use sulcus_link::clock::{monotonic_ns, sleep_until, thread_cpu_ns, unix_ns};
 use sulcus_link::schedule::fifo;
@@ -46,18 +44,6 @@ pub(crate) struct Simulation {
     pub bell: Bell,
     pub flags: Arc<Flags>,
     pub progress: Arc<Progress>,
-    /// Queue to the recorder.
-    pub entries: Producer<Entry>,
-    /// Free buffers for snapshots, returned by the recorder.
-    pub buffers: Consumer<Vec<u8>>,
-    /// Reader of the shapes for the events of the exercise.
-    pub look: Look,
-    /// Free buffers for looks, returned by the recorder.
-    pub looks: Consumer<Vec<Vec3>>,
-    /// Reader of the shapes for viewers.
-    pub sampler: Sampler,
-    /// Free buffers for shapes, returned by the recorder.
-    pub shapes: Consumer<Box<Shapes>>,
     /// Level of detail of tissue.
     pub detail: Detail,
     /// Whether to request real-time scheduling and locked memory.
@@ -80,19 +66,19 @@ impl Drop for Leaving {
 
 impl Simulation {
     /// Starts the thread; it ends when [`Flags::stop`] is raised.
-    pub fn spawn(self) -> std::io::Result<JoinHandle<Metrics>> {
+    pub fn spawn(self, rings: Rings) -> std::io::Result<JoinHandle<Metrics>> {
         // Allocated here: the thread allocates nothing after its first tick.
         let metrics = Metrics::new();
         std::thread::Builder::new()
             .name("sulcus-sim".into())
-            .spawn(move || self.run(metrics))
+            .spawn(move || self.run(rings, metrics))
     }
 
-    fn run(self, metrics: Metrics) -> Metrics {
+    fn run(self, rings: Rings, metrics: Metrics) -> Metrics {
         let _leaving = Leaving(self.flags.clone(), self.bell.clone());
         let (flags, real_time) = (self.flags.clone(), self.real_time);
         let core = self.core;
-        let mut ticker = Ticker::new(self, metrics);
+        let mut ticker = Ticker::new(self, rings, metrics);
         if let Some(core) = core
             && let Err(error) = pin_to(core)
         {
@@ -101,7 +87,13 @@ impl Simulation {
         // After all allocations, so that their memory is locked. The grid begins afterwards.
         let is_real_time = real_time && realtime::enter();
         sulcus_link::schedule::exact_timers();
-        ticker.grid.begin(monotonic_ns(), unix_ns(), is_real_time);
+        let phase_ns = ticker
+            .link
+            .places
+            .phase_ns(core, ticker.scene.params.tick_ns());
+        ticker
+            .grid
+            .begin(monotonic_ns(), unix_ns(), is_real_time, phase_ns);
         while !Flags::is_up(&flags.stop) {
             ticker.step();
         }
@@ -119,7 +111,7 @@ struct Ticker {
     chooser: Chooser,
     grid: Grid,
     precedence: Precedence,
-    next_snapshot: u64,
+    queue: Queue,
     /// Commands of the station's side that this tick obeys.
     commands: u64,
     /// Whether each haptic tool is free of contacts, at the last look.
@@ -129,7 +121,7 @@ struct Ticker {
 }
 
 impl Ticker {
-    fn new(link: Simulation, metrics: Metrics) -> Self {
+    fn new(link: Simulation, rings: Rings, metrics: Metrics) -> Self {
         let scene = link.scene.clone();
         Self {
             state: State::new(&scene),
@@ -138,7 +130,7 @@ impl Ticker {
             chooser: Chooser::new(link.detail),
             grid: Grid::new(scene.params.tick_ns()),
             precedence: Precedence::new(scene.params.tick_ns(), link.places.clone()),
-            next_snapshot: scene.params.ticks_in(SNAPSHOT_EVERY_S),
+            queue: Queue::new(rings, &scene.params),
             commands: 0,
             free: [false; MAX_TOOLS],
             next_clearance: 0,
@@ -172,10 +164,15 @@ impl Ticker {
 
         // The wrench goes first, because the hand waits for it.
         let tools = self.scene.tools.len();
-        let (in_force, newest) = (self.inputs.in_force, self.inputs.newest());
-        self.link
-            .wrenches
-            .write(wrench_out(&output, self.free, in_force, newest, tools));
+        let (in_force, wait_us) = (self.inputs.in_force, self.inputs.wait_us());
+        let newest = self.inputs.newest().map(|pose| (pose, wait_us));
+        self.link.wrenches.write(wrench_out(
+            &output,
+            self.free,
+            (self.commands, in_force),
+            newest,
+            tools,
+        ));
         self.link.bell.ring();
         let progress = &self.link.progress;
         progress.tick.store(output.tick, Ordering::Relaxed);
@@ -185,11 +182,16 @@ impl Ticker {
         }
         let unix_ns = self.grid.unix_ns(now_ns);
         let cpu_ns = cpu_end.saturating_sub(cpu);
-        self.record(unix_ns, &input, &output, cpu_ns);
-        if output.tick >= self.next_snapshot {
-            self.next_snapshot = output.tick + self.scene.params.ticks_in(SNAPSHOT_EVERY_S);
-            self.snapshot(unix_ns);
-        }
+        let row = Row::new(unix_ns, &input, &output).with_device(self.inputs.samples(&input));
+        let ticked = Ticked {
+            row,
+            output,
+            cpu_ns: u32::try_from(cpu_ns).unwrap_or(u32::MAX),
+            in_force,
+            gone: self.inputs.gone(),
+        };
+        self.queue
+            .tick(ticked, &self.state, &self.workspace, &mut self.metrics);
         if output.tick >= self.next_clearance {
             self.next_clearance = output.tick + self.scene.params.ticks_in(CLEARANCE_S).max(1);
             self.look_for_clearance(&output);
@@ -234,91 +236,34 @@ impl Ticker {
             self.inputs.pose(*self.link.poses.output_buffer());
         }
     }
-
-    /// Queues the tick for the recorder, and before it the shapes that its events and viewers need. A full queue drops
-    /// the entry; only dropped rows are counted.
-    fn record(&mut self, unix_ns: u64, input: &TickInput, output: &TickOutput, cpu_ns: u64) {
-        if self.link.look.is_due(output.tick)
-            && let Ok(mut centres) = self.link.looks.pop()
-        {
-            self.link.look.read(&self.workspace, &mut centres);
-            if let Err(PushError::Full(entry)) =
-                self.link.entries.push(Entry::Look(output.tick, centres))
-            {
-                // No free on this thread; see `snapshot`.
-                std::mem::forget(entry);
-            }
-        }
-        if self.link.sampler.is_due(output.tick)
-            && let Ok(mut shapes) = self.link.shapes.pop()
-        {
-            let sampler = &self.link.sampler;
-            sampler.read(output.tick, &self.workspace, &mut shapes);
-            if let Err(PushError::Full(entry)) = self.link.entries.push(Entry::Shapes(shapes)) {
-                std::mem::forget(entry);
-            }
-        }
-        let row = Row::new(unix_ns, input, output).with_device(self.inputs.samples(input));
-        let cpu_ns = u32::try_from(cpu_ns).unwrap_or(u32::MAX);
-        let entry = Entry::Tick(Ticked {
-            row,
-            output: *output,
-            cpu_ns,
-            in_force: self.inputs.in_force,
-            gone: self.inputs.gone(),
-        });
-        if self.link.entries.push(entry).is_err() {
-            self.metrics.rows_dropped += 1;
-        }
-    }
-
-    fn snapshot(&mut self, unix_ns: u64) {
-        let Ok(mut bytes) = self.link.buffers.pop() else {
-            self.metrics.snapshots_dropped += 1;
-            return;
-        };
-        bytes.clear();
-        self.state.write_bytes(&mut bytes);
-        let entry = Entry::Snapshot {
-            unix_ns,
-            tick: self.state.tick,
-            bytes,
-        };
-        if let Err(PushError::Full(entry)) = self.link.entries.push(entry) {
-            self.metrics.snapshots_dropped += 1;
-            // A free could lock, like an allocation. The buffer is leaked instead.
-            std::mem::forget(entry);
-        }
-    }
 }
 
 /// Wrench and graphic pose of a tick for the wire. Numbers are rounded from f64 to f32; the tick has applied the
-/// limits. Without a pose the echoes are invalid. The network sets the hold times when it sends the wrench.
+/// limits. `pose` has its wait for its first tick, microseconds. Without a pose the echoes are invalid. The network
+/// sets the hold times when it sends the wrench.
 fn wrench_out(
     output: &TickOutput,
     free: [bool; MAX_TOOLS],
-    in_force: InForce,
-    pose: Option<&PoseIn>,
+    (commands, in_force): (u64, InForce),
+    pose: Option<(&PoseIn, u32)>,
     tools: usize,
 ) -> WrenchOut {
     let mut datagram = WrenchDatagram {
         tick: output.tick,
-        levels: WireLevels {
-            paused_by_station: in_force.station.paused,
-            paused_by_student: in_force.student.paused,
-            force_limit_n: in_force.force_limit_n(),
-        },
+        levels: in_force.on_the_wire(commands),
         ..WrenchDatagram::default()
     };
     for (k, tool) in output.tools.iter().enumerate().take(tools) {
         let (force, torque) = (&tool.wrench.force, &tool.wrench.torque);
         let (p, q) = (&tool.graphic.position, &tool.graphic.orientation);
-        let reading = pose.map(|pose| &pose.datagram.tools[k]);
-        let echo = reading.filter(|tool| tool.present).map(|tool| Echo {
+        let reading = pose.map(|(pose, wait_us)| (&pose.datagram.tools[k], wait_us));
+        let reading = reading.filter(|(tool, _)| tool.present);
+        let echo = reading.map(|(tool, wait_us)| Echo {
             valid: true,
             sequence: tool.sequence,
             device_time_ns: tool.device_time_ns,
             hold_us: 0,
+            wait_us,
         });
         datagram.tools[k] = ToolWrench {
             wrench: WireWrench {
@@ -335,9 +280,9 @@ fn wrench_out(
     }
     WrenchOut {
         datagram,
-        pose_arrived_ns: pose.map_or(0, |pose| pose.arrived_ns),
+        pose_arrived_ns: pose.map_or(0, |(pose, _)| pose.arrived_ns),
     }
 }
 
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;

@@ -2,7 +2,7 @@
 
 use std::fs::{File, OpenOptions, TryLockError};
 use std::io::{ErrorKind, Read as _, Write as _};
-use std::os::unix::fs::{MetadataExt as _, OpenOptionsExt as _};
+use std::os::unix::fs::{FileExt as _, MetadataExt as _, OpenOptionsExt as _};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
@@ -59,20 +59,52 @@ pub(crate) fn read_private(path: &Path, most: u64) -> Result<Option<Vec<u8>>, St
 /// # Errors
 /// The file cannot be written; the old file is unchanged then.
 pub(crate) fn write_private(path: &Path, bytes: &[u8]) -> Result<(), StateError> {
-    static COUNT: AtomicU64 = AtomicU64::new(0);
-    let failed = StateError::io("write", path);
-    let name = path.file_name().unwrap_or_default().to_string_lossy();
-    let count = COUNT.fetch_add(1, Ordering::Relaxed);
-    let fresh = path.with_file_name(format!(".{name}.new-{}-{count}", std::process::id()));
-    // A former process of the same number may have crashed here.
-    let _ = std::fs::remove_file(&fresh);
-    let written = fill_new(&fresh, bytes)
-        .and_then(|()| std::fs::rename(&fresh, path))
-        .and_then(|()| sync_folder_of(path));
-    if written.is_err() {
+    Staged::write(path, bytes)?.commit()
+}
+
+/// New content of a file, on the disk under another name. Only the step that needs no space is left:
+/// [`Staged::commit`]. A drop takes the content away.
+pub(crate) struct Staged {
+    fresh: PathBuf,
+    path: PathBuf,
+}
+
+impl Staged {
+    /// Writes the new content of the file at `path`, which keeps its old content.
+    ///
+    /// # Errors
+    /// The content cannot be written.
+    pub fn write(path: &Path, bytes: &[u8]) -> Result<Self, StateError> {
+        static COUNT: AtomicU64 = AtomicU64::new(0);
+        let name = path.file_name().unwrap_or_default().to_string_lossy();
+        let count = COUNT.fetch_add(1, Ordering::Relaxed);
+        let fresh = path.with_file_name(format!(".{name}.new-{}-{count}", std::process::id()));
+        // A former process of the same number may have crashed here.
         let _ = std::fs::remove_file(&fresh);
+        let staged = Self {
+            fresh,
+            path: path.to_owned(),
+        };
+        fill_new(&staged.fresh, bytes).map_err(StateError::io("write", path))?;
+        Ok(staged)
     }
-    written.map_err(failed)
+
+    /// Replaces the file by the new content, or makes it.
+    ///
+    /// # Errors
+    /// The file cannot be replaced; the old file is unchanged then.
+    pub fn commit(self) -> Result<(), StateError> {
+        let renamed = std::fs::rename(&self.fresh, &self.path);
+        let renamed = renamed.and_then(|()| sync_folder_of(&self.path));
+        renamed.map_err(StateError::io("write", &self.path))
+    }
+}
+
+impl Drop for Staged {
+    fn drop(&mut self) {
+        // After a commit there is no such file.
+        let _ = std::fs::remove_file(&self.fresh);
+    }
 }
 
 /// Makes the private file `path` with `bytes`. An existing file is never replaced.
@@ -87,6 +119,48 @@ pub(crate) fn create_private(path: &Path, bytes: &[u8]) -> Result<(), StateError
         }
         StateError::io("create", path)(error)
     })
+}
+
+/// Adds a line to the private file at `path`, which is made if missing. A part of a line that a crash left at the end
+/// becomes a line of its own.
+///
+/// # Errors
+/// The file cannot be written, or can be read by other users.
+pub(crate) fn append_line(path: &Path, line: &[u8]) -> Result<(), StateError> {
+    let failed = StateError::io("write", path);
+    let opened = OpenOptions::new()
+        .read(true)
+        .append(true)
+        .create(true)
+        .mode(MODE)
+        .open(path);
+    let mut file = opened.map_err(&failed)?;
+    let found = file.metadata().map_err(&failed)?;
+    let mode = found.mode() & 0o777;
+    if mode & 0o077 != 0 {
+        return Err(StateError::Exposed {
+            path: path.to_owned(),
+            mode,
+            expected: MODE,
+        });
+    }
+    let mut last = [b'\n'];
+    if let Some(at) = found.len().checked_sub(1) {
+        file.read_exact_at(&mut last, at).map_err(&failed)?;
+    }
+    let mut bytes = Vec::with_capacity(line.len() + 2);
+    if last != *b"\n" {
+        bytes.push(b'\n');
+    }
+    bytes.extend_from_slice(line);
+    bytes.push(b'\n');
+    // A single call writes the line, so that lines of two processes never mix.
+    let written = file.write_all(&bytes).and_then(|()| file.sync_data());
+    if written.is_err() {
+        // A full disk may have taken a part of the line.
+        let _ = file.set_len(found.len());
+    }
+    written.map_err(&failed)
 }
 
 /// Removes a file; a missing file is no error.
@@ -184,6 +258,21 @@ mod tests {
         }
         let names = std::fs::read_dir(place.path()).expect("lists").count();
         assert_eq!(names, 1, "no file is left over");
+    }
+
+    #[test]
+    fn lines_are_added_and_a_torn_line_stays_alone() {
+        let place = tempfile::tempdir().expect("temporary folder");
+        let path = place.path().join("log");
+        append_line(&path, b"one").expect("adds");
+        append_line(&path, b"two").expect("adds");
+        let mut torn = OpenOptions::new().append(true).open(&path).expect("opens");
+        torn.write_all(b"thr").expect("writes");
+        append_line(&path, b"four").expect("adds");
+        let found = read_private(&path, 100).expect("reads");
+        assert_eq!(found.as_deref(), Some(&b"one\ntwo\nthr\nfour\n"[..]));
+        std::fs::set_permissions(&path, std::fs::Permissions::from_mode(0o644)).expect("own file");
+        append_line(&path, b"five").expect_err("others can read");
     }
 
     #[test]

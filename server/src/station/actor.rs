@@ -12,23 +12,26 @@ use std::sync::{Arc, PoisonError};
 use std::time::{Duration, Instant};
 
 use sulcus_proto::SessionSummary;
-use sulcus_proto::control::{EndReason, Goodbye, Refused, RefusedReason};
+use sulcus_proto::control::{EndReason, Goodbye};
 use sulcus_proto::station::{Phase, StationStatus};
 use sulcus_sessions::Detached;
 use tokio::sync::mpsc;
 use tokio::task::JoinHandle;
 
 use crate::net::Stage;
-use crate::net::hello::clean;
+use crate::net::codes::Left;
+use crate::net::hello::names_of;
 use crate::outlets::opening::Opening;
 use crate::outlets::status::Live;
+use crate::session::coupling;
 use crate::session::handoff::Provoked;
 use crate::session::levels::Levels;
 use crate::session::running::{Begin, Ports, Running};
-use crate::station::config::{Exercise, SessionPlan};
-use crate::station::door::{Attached, Behind, Door, Student, ToStation, ToStudent, goodbye};
+use crate::station::config::SessionPlan;
+use crate::station::door::{Behind, Door, Student, ToStation, ToStudent, goodbye};
 use crate::station::gap::SessionClock;
 use crate::station::journal::Journal;
+use crate::station::quota::forecast;
 use crate::station::session::Session;
 use crate::station::shared::Shared;
 
@@ -38,26 +41,29 @@ const START: Duration = Duration::from_secs(20);
 const CHECK: Duration = Duration::from_millis(20);
 /// Number of checks between two statuses: five statuses a second.
 const CHECKS_PER_STATUS: u32 = 10;
-/// Number of messages that wait for a student. A student who reads none is gone soon.
-const HEARS: usize = 64;
-
 /// The connection of an attached student, as the station sees it.
 pub(super) struct Present {
     pub epoch: u32,
     pub to_student: mpsc::Sender<ToStudent>,
 }
 
+/// Summary and sentence of a finished session, and the seat that ended with it.
+type Finished = (SessionSummary, String, Option<Left>);
+
 pub(super) enum State {
     Free,
     Ready {
         student: Box<Student>,
         present: Present,
+        /// Plan that the student was told, and whether the ticks run at the hand.
+        told: Arc<SessionPlan>,
+        at_hand: bool,
         since: Instant,
     },
     Running(Box<Session>),
     /// Recording of a session that is being finished, and the student who hears its goodbye.
     Ending {
-        finishing: JoinHandle<(SessionSummary, String)>,
+        finishing: JoinHandle<Finished>,
         present: Option<Present>,
     },
 }
@@ -73,15 +79,15 @@ pub(crate) struct Station {
     pub(super) state: State,
     /// Id of the token that set pause or limit last.
     pub(super) set_by: String,
-    epoch: u32,
+    pub(super) epoch: u32,
     /// Number of the station at the server, from 0 on.
-    number: usize,
+    pub(super) number: usize,
     /// Core of the session; `None`: any.
-    core: Option<usize>,
+    pub(super) core: Option<usize>,
     /// Status of the running session, by its recorder.
     live: Arc<Live>,
     journal: Journal,
-    /// Message from a task of this station to itself: plans that have been compiled.
+    /// Messages from tasks of this station to itself: compiled plans, paths of ghosts.
     pub(super) prepared: (
         mpsc::Sender<super::instruct::Prepared>,
         mpsc::Receiver<super::instruct::Prepared>,
@@ -98,6 +104,9 @@ impl Station {
         plan: SessionPlan,
     ) -> Self {
         let journal = Journal::of(shared.config.journal.as_deref(), &door.name);
+        if let Some(quota) = &shared.quota {
+            quota.planned(number, forecast(shared.config.viewers, &plan));
+        }
         Self {
             levels: door.levels.of_new_session(plan.force_limit_n),
             number,
@@ -140,7 +149,7 @@ impl Station {
                     None => return,
                 },
                 prepared = self.prepared.1.recv() => if let Some(prepared) = prepared {
-                    self.planned(prepared);
+                    self.prepared(prepared);
                 },
                 finished = finished(&mut self.state) => self.finished(finished),
                 _ = stage.changed() => {}
@@ -199,6 +208,10 @@ impl Station {
 
     /// Takes a plan for the next session. Displays of a free station show its scene at rest.
     pub(super) fn set_plan(&mut self, plan: SessionPlan) {
+        if let Some(quota) = &self.shared.quota {
+            let viewers = self.shared.config.viewers;
+            quota.planned(self.number, forecast(viewers, &plan));
+        }
         self.plan = Arc::new(plan);
         self.show();
     }
@@ -222,107 +235,9 @@ impl Station {
     }
 
     /// Next epoch. After the largest number comes 1; 0 is never used.
-    fn next_epoch(&mut self) -> u32 {
+    pub(super) fn next_epoch(&mut self) -> u32 {
         self.epoch = self.epoch.wrapping_add(1).max(1);
         self.epoch
-    }
-
-    fn attach(&mut self, student: Student) -> Result<Attached, Refused> {
-        if *self.shared.stage.borrow() != Stage::Serve {
-            return refused(RefusedReason::Server, "the server is ending");
-        }
-        if let Some(text) = self.occupied(&student) {
-            return refused(RefusedReason::Busy, &text);
-        }
-        let plan = match &self.state {
-            State::Running(session) => session.plan.clone(),
-            _ => self.plan.clone(),
-        };
-        // A station with free exploration accepts every exercise.
-        let offered = &plan.exercise.name;
-        let free = *offered == Exercise::default().name;
-        if !student.exercise.is_empty() && !free && &student.exercise != offered {
-            let text = format!(
-                "exercise `{}` is not offered here; this station offers `{offered}`",
-                clean(&student.exercise)
-            );
-            return refused(RefusedReason::Exercise, &text);
-        }
-        if matches!(self.state, State::Free) {
-            let rate_hz = plan.scene.params.rate_hz;
-            match self.shared.admit(self.number, plan.cost, rate_hz) {
-                Ok(core) => self.core = core,
-                Err(text) => return refused(RefusedReason::Full, &text),
-            }
-        }
-        let epoch = self.next_epoch();
-        let (to_student, hears) = mpsc::channel(HEARS);
-        let present = Present { epoch, to_student };
-        let now = Instant::now();
-        let (ports, before) = match &mut self.state {
-            State::Running(session) => {
-                let before = session.present.replace(present);
-                session.student.device = student.device;
-                session.attached(epoch, before.is_some(), now);
-                (Some(session.running.ports().clone()), before)
-            }
-            other => {
-                let state = State::Ready {
-                    student: Box::new(student),
-                    present,
-                    since: now,
-                };
-                match std::mem::replace(other, state) {
-                    State::Ready { present, .. } => (None, Some(present)),
-                    _ => {
-                        let limit_n = self.plan.force_limit_n;
-                        self.levels = self.door.levels.of_new_session(limit_n);
-                        (None, None)
-                    }
-                }
-            }
-        };
-        if let Some(before) = before {
-            let _ = before.to_student.try_send(ToStudent::Replaced);
-        }
-        Ok(Attached {
-            epoch,
-            plan,
-            ports,
-            levels: self.levels.clone(),
-            hears,
-        })
-    }
-
-    /// Reason why a student cannot attach now; `None` if the student can.
-    fn occupied(&self, student: &Student) -> Option<String> {
-        let (first, present) = match &self.state {
-            State::Free => return None,
-            State::Ending { .. } => {
-                let text =
-                    "the last session's recording is being finished; connect again in a moment";
-                return Some(text.to_owned());
-            }
-            State::Ready {
-                student, present, ..
-            } => (&**student, Some(present)),
-            State::Running(session) => (&session.student, session.present.as_ref()),
-        };
-        match (present, &self.state) {
-            // A client that connects again before its old connection has timed out.
-            (Some(present), _) if first.is_same(student) && student.follows == present.epoch => {
-                None
-            }
-            (None, _) if first.is_same(student) => None,
-            (None, State::Running(session)) => {
-                let gap = session.clock.gap(Instant::now());
-                let left = session.plan.resume_within.saturating_sub(gap).as_secs() + 1;
-                Some(format!(
-                    "this station is in use: its session waits {left} s more for the return of its learner"
-                ))
-            }
-            _ => Some(IN_USE.to_owned()),
-        }
     }
 
     /// Starts the session of the attached student. A session that runs already is not started again.
@@ -336,13 +251,23 @@ impl Station {
             return Err(goodbye(&name, EndReason::ConnectionLost, text));
         }
         let State::Ready {
-            student, present, ..
+            student,
+            present,
+            told,
+            at_hand,
+            ..
         } = std::mem::replace(&mut self.state, State::Free)
         else {
             let text = "No session can be started now.";
             return Err(goodbye(&name, EndReason::Simulation, text));
         };
         let plan = self.plan.clone();
+        if at_hand && !Arc::ptr_eq(&told, &plan) {
+            // The client ticks with the scene of the former plan.
+            let text = "The plan of this station has changed; connect again.";
+            self.free();
+            return Err(goodbye(&name, EndReason::Simulation, text));
+        }
         let learner = if student.learner.is_empty() {
             plan.learner.clone()
         } else {
@@ -351,17 +276,25 @@ impl Station {
         let folder = &self.shared.config.recordings;
         let interrupted = self.journal.predecessor(&student.grant.id, &learner, &plan);
         let predecessor = interrupted.map(|file| folder.join(file));
+        let couplings = coupling::in_force(&plan.scene, &student.devices);
         let opening = Opening {
             plan: plan.clone(),
+            softer: if couplings == plan.scene.couplings() {
+                Vec::new()
+            } else {
+                couplings.clone()
+            },
             folder: self.shared.config.recordings.clone(),
+            viewers: self.shared.config.viewers,
             key: self.shared.config.station_key.clone(),
             station: name.clone(),
             learner: learner.clone(),
             client: format!(
                 "client {} with device {}",
-                student.program, student.device.name
+                student.program,
+                names_of(&student.devices)
             ),
-            device: student.device.clone(),
+            devices: student.devices.clone(),
             epoch,
             predecessor,
             live: self.live.clone(),
@@ -374,6 +307,7 @@ impl Station {
             real_time: self.shared.config.real_time,
             places: self.shared.places.clone(),
             core: self.core,
+            at_hand,
         };
         // The start of a recording writes the whole scene. The thread of the packets must not wait for it.
         let opened = tokio::task::spawn_blocking(move || Running::start(opening, begin)).await;
@@ -394,13 +328,21 @@ impl Station {
         };
         self.journal
             .begin(running.file_name(), &student.grant.id, &learner, &plan);
+        if let Some(quota) = &self.shared.quota {
+            quota.began(self.number, running.file_name());
+        }
         let ports = running.ports().clone();
         let now = Instant::now();
+        let student = Student {
+            learner,
+            ..*student
+        };
         self.state = State::Running(Box::new(Session {
             running,
-            student: *student,
+            student,
             clock: SessionClock::begin(now, plan.clock_in_gap),
             plan,
+            couplings,
             present: Some(present),
             gap_tick: 0,
             gap_ticks: 0,
@@ -468,6 +410,7 @@ impl Station {
             State::Running(session) => {
                 let Session {
                     running,
+                    student,
                     present,
                     clock,
                     gap_tick,
@@ -484,22 +427,27 @@ impl Station {
                     ..SessionSummary::empty(reason)
                 };
                 // The slow part on a thread of its own: joins threads and waits for the disk.
-                let finishing = tokio::task::spawn_blocking(move || running.finish(summary));
+                let (codes, station) = (self.shared.config.codes.clone(), self.door.name.clone());
+                let finishing = tokio::task::spawn_blocking(move || {
+                    let (summary, text) = running.finish(summary);
+                    let left = codes.left(&station, &student.learner);
+                    (summary, text, left)
+                });
                 self.state = State::Ending { finishing, present };
             }
         }
     }
 
-    fn finished(&mut self, finished: Result<(SessionSummary, String), tokio::task::JoinError>) {
+    fn finished(&mut self, finished: Result<Finished, tokio::task::JoinError>) {
         let State::Ending { present, .. } = std::mem::replace(&mut self.state, State::Free) else {
             return;
         };
-        let (summary, text) = finished.unwrap_or_else(|_| {
+        let (summary, text, left) = finished.unwrap_or_else(|_| {
             let summary = SessionSummary {
                 station: self.door.name.to_string(),
                 ..SessionSummary::empty(EndReason::Simulation)
             };
-            (summary, "The session ended unexpectedly.".to_owned())
+            (summary, "The session ended unexpectedly.".to_owned(), None)
         });
         tracing::info!(
             "station {}: the session has ended ({:?}): {} ticks, {} gaps, recording {}",
@@ -515,8 +463,10 @@ impl Station {
             let goodbye = Box::new(Goodbye { text, summary });
             let _ = present.to_student.try_send(ToStudent::Goodbye(goodbye));
         }
-        if self.plan.renews {
-            self.renew();
+        match left {
+            Some(left) => self.leave(left),
+            None if self.plan.renews => self.renew(),
+            None => {}
         }
         self.free();
     }
@@ -577,17 +527,8 @@ impl Station {
     }
 }
 
-const IN_USE: &str = "this station is in use by another client; wait until its session ends";
-
-fn refused<T>(reason: RefusedReason, text: &str) -> Result<T, Refused> {
-    Err(Refused {
-        reason,
-        text: text.to_owned(),
-    })
-}
-
 /// Waits for the end of a recording; never returns in another phase.
-async fn finished(state: &mut State) -> Result<(SessionSummary, String), tokio::task::JoinError> {
+async fn finished(state: &mut State) -> Result<Finished, tokio::task::JoinError> {
     match state {
         State::Ending { finishing, .. } => finishing.await,
         _ => std::future::pending().await,

@@ -5,14 +5,15 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Duration;
 
-use sulcus_core::{Scene, TickInput};
+use sulcus_core::{Coupling, Scene, SceneError, TickInput};
 use sulcus_display::Display;
 use sulcus_proto::hex::hex;
 use sulcus_proto::limits::NAME_BYTES;
-use sulcus_sessions::Mode;
+use sulcus_sessions::{Mode, ViewersPolicy};
 
 use crate::ServerError;
 use crate::capacity::Cost;
+use crate::net::codes::{Codes, NoCodes};
 use crate::net::tokens::{Fixed, Tokens};
 use crate::session::detail::Detail;
 use crate::station::planner::{NoPlanner, Planner};
@@ -76,6 +77,8 @@ pub struct SessionPlan {
     pub clock_in_gap: bool,
     /// Largest force of the plan, newtons; 0: the scene's limit. Neither student nor instructor can raise it.
     pub force_limit_n: f32,
+    /// Whether a client may run the ticks at the hand. It then holds the compiled mouth, and with it the answer.
+    pub tick_at_hand: bool,
     /// Last change of the plan; `None` for the plan of the start.
     pub changed: Option<Changed>,
     /// Whether the patient is drawn anew for each session.
@@ -114,11 +117,24 @@ impl SessionPlan {
             resume_within: Duration::from_secs(30),
             clock_in_gap: false,
             force_limit_n: 0.0,
+            tick_at_hand: true,
             changed: None,
             renews: false,
             display: None,
             cost: None,
         }
+    }
+
+    /// Plan of a session with other couplings, in the order of the tools. The simulation runs on a copy of the scene.
+    /// The bytes of the scene, and thus the hash, stay.
+    ///
+    /// # Errors
+    /// The couplings do not fit the scene.
+    pub(crate) fn with_couplings(&self, couplings: &[Coupling]) -> Result<Self, SceneError> {
+        Ok(Self {
+            scene: Arc::new(self.scene.with_couplings(couplings)?),
+            ..self.clone()
+        })
     }
 
     /// Makes the display of the scene, so that screens can show the session. Takes some seconds for the first mouth of
@@ -225,6 +241,10 @@ pub struct ServerConfig {
     pub metrics: Option<SocketAddr>,
     /// Folder for recordings; created if missing.
     pub recordings: PathBuf,
+    /// Policy of the recordings about the channels for viewers.
+    pub viewers: ViewersPolicy,
+    /// Bytes that the folder of recordings may have. A session whose forecast goes beyond is refused. `None`: no quota.
+    pub recordings_quota: Option<u64>,
     /// File of the key that signs recordings, created on first use. `None`: `StationKey::default_path` of
     /// `sulcus_sessions`.
     pub station_key: Option<PathBuf>,
@@ -236,10 +256,14 @@ pub struct ServerConfig {
     pub token: String,
     /// Further tokens, with their roles and stations.
     pub tokens: Arc<dyn Tokens>,
+    /// Codes with which learners sign in at a station.
+    pub codes: Arc<dyn Codes>,
     /// Source of plans that an instructor sets.
     pub planner: Arc<dyn Planner>,
     /// Stations, 1 to [`STATIONS`].
     pub stations: Vec<StationConfig>,
+    /// Folder with clients of this release, which the console offers for download. `None`: none.
+    pub clients: Option<PathBuf>,
     /// Whether to request real-time scheduling and locked memory. A missing right causes one warning.
     pub real_time: bool,
 }
@@ -254,13 +278,17 @@ impl ServerConfig {
             listen: (Ipv4Addr::LOCALHOST, 0).into(),
             metrics: None,
             recordings,
+            viewers: ViewersPolicy::default(),
+            recordings_quota: None,
             station_key: None,
             journal: None,
             identity: None,
             token: random_token()?,
             tokens: Arc::new(Fixed::default()),
+            codes: Arc::new(NoCodes),
             planner: Arc::new(NoPlanner),
             stations: vec![station],
+            clients: None,
             real_time: true,
         })
     }

@@ -1,8 +1,11 @@
 //! Door of a station: messages to its task, its newest status, its levels. Connections hold doors and no station.
 
+use std::net::SocketAddr;
 use std::sync::{Arc, Mutex};
 
+use sulcus_core::Coupling;
 use sulcus_proto::control::{Answer, DeviceInfo, EndReason, Goodbye, Instruction, Refused, Say};
+use sulcus_proto::ghost::GhostPart;
 use sulcus_proto::station::{StationEvent, StationStatus};
 use sulcus_proto::{PROTOCOL_VERSION, SessionSummary};
 use sulcus_sessions::Detached;
@@ -13,6 +16,7 @@ use crate::session::handoff::Provoked;
 use crate::session::levels::Levels;
 use crate::session::running::Ports;
 use crate::state::Grant;
+use crate::station::at_hand::Wish;
 use crate::station::config::SessionPlan;
 
 /// Number of messages that wait for a station's task.
@@ -29,12 +33,14 @@ pub(crate) struct Student {
     pub learner: String,
     /// Version of the client program.
     pub program: String,
-    /// Haptic device.
-    pub device: DeviceInfo,
+    /// Haptic devices, in the order of the tool slots.
+    pub devices: Vec<DeviceInfo>,
     /// Requested exercise; empty for the station's choice.
     pub exercise: String,
     /// Epoch of the connection that this one follows; 0 for the first connection of a program.
     pub follows: u32,
+    /// Wish about the place of the ticks.
+    pub wish: Wish,
 }
 
 impl Student {
@@ -52,8 +58,12 @@ pub(crate) struct Attached {
     pub epoch: u32,
     /// Plan of the session.
     pub plan: Arc<SessionPlan>,
+    /// Couplings in force, in the order of the tools.
+    pub couplings: Vec<Coupling>,
     /// Hand-overs of the running session; `None` before its start.
     pub ports: Option<Arc<Ports>>,
+    /// Whether the ticks run at the hand, or the reason against the client's wish.
+    pub at_hand: Result<bool, &'static str>,
     /// Levels for the student's own pause and limit.
     pub levels: Levels,
     /// Messages for the student.
@@ -67,6 +77,8 @@ pub(crate) enum ToStudent {
     Epoch(u32),
     /// Message of an instructor.
     Say(Say),
+    /// Path of a ghost, in parts.
+    Ghost(Vec<GhostPart>),
     /// End of the session; the connection closes.
     Goodbye(Box<Goodbye>),
     /// A newer connection of the same token has taken over.
@@ -170,6 +182,12 @@ impl Door {
         self.status.borrow().clone()
     }
 
+    /// Newest status, and each later one.
+    #[cfg(feature = "console")]
+    pub(crate) fn statuses(&self) -> watch::Receiver<StationStatus> {
+        self.status.clone()
+    }
+
     /// Feed of the station, for one display.
     pub(crate) fn feed(&self) -> Feed {
         self.feed.clone()
@@ -242,9 +260,30 @@ pub(crate) fn goodbye(station: &str, reason: EndReason, text: &str) -> Box<Goodb
     })
 }
 
-/// Sentence about a client of another protocol version.
-pub(crate) fn other_version(found: u8) -> String {
+/// Sentence about a client of another protocol version. `clients`: address of a console that offers the right one.
+pub(crate) fn other_version(found: u8, clients: Option<SocketAddr>) -> String {
+    let release = env!("CARGO_PKG_VERSION");
+    let place = clients.map_or(String::new(), |console| {
+        format!(" from https://{console}/clients")
+    });
     format!(
-        "this server has protocol version {PROTOCOL_VERSION}, the client {found}; install the same release on both"
+        "this server has protocol version {PROTOCOL_VERSION}, the client {found}; install the client of release {release}{place}"
     )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_client_of_another_release_reads_where_the_right_one_lies() {
+        let release = env!("CARGO_PKG_VERSION");
+        let begin = format!(
+            "this server has protocol version {PROTOCOL_VERSION}, the client 6; install the client of release {release}"
+        );
+        assert_eq!(other_version(6, None), begin);
+        let console = "192.0.2.7:8443".parse().ok();
+        let expected = format!("{begin} from https://192.0.2.7:8443/clients");
+        assert_eq!(other_version(6, console), expected);
+    }
 }

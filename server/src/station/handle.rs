@@ -19,6 +19,8 @@ use crate::session::handoff::Provoked;
 use crate::session::levels::Taken;
 use crate::session::realtime::PRIORITY;
 use crate::station::door::{Door, ToStation};
+#[cfg(feature = "console")]
+use crate::station::quota::Quota;
 use crate::station::shared::Shared;
 use crate::{ServerConfig, ServerError};
 
@@ -39,6 +41,14 @@ pub struct ServerHandle {
     doors: Vec<Door>,
     stage: watch::Sender<Stage>,
     renewals: UnboundedSender<quinn::ServerConfig>,
+    #[cfg_attr(
+        not(feature = "console"),
+        expect(dead_code, reason = "the console alone offers clients")
+    )]
+    clients: Arc<OnceLock<SocketAddr>>,
+    /// Quota of the folder of recordings, for the console.
+    #[cfg(feature = "console")]
+    quota: Option<Arc<Quota>>,
     thread: Option<JoinHandle<Result<Vec<SessionSummary>, ServerError>>>,
 }
 
@@ -85,10 +95,19 @@ impl Server {
         }
         let doors: Vec<Door> = stations.iter().map(|(_, door, _)| door.clone()).collect();
         config.planner.connect(&doors);
+        let clients = Arc::new(OnceLock::new());
+        let planner = config.planner.clone();
+        let shared = Arc::new(Shared::new(config, stage_out));
+        #[cfg(feature = "console")]
+        let quota = shared.quota.clone();
+        if let Some(quota) = shared.quota.clone() {
+            planner.connect_recordings(Arc::new(move || quota.state()));
+        }
         let net = Arc::new(Net {
-            shared: Arc::new(Shared::new(config, stage_out)),
+            shared,
             doors: doors.clone(),
             self_test: *SELF_TEST.get_or_init(sulcus_core::self_test),
+            clients: clients.clone(),
         });
         // One thread: more threads would only add wake-ups.
         let runtime = tokio::runtime::Builder::new_current_thread()
@@ -113,6 +132,9 @@ impl Server {
             doors,
             stage,
             renewals,
+            clients,
+            #[cfg(feature = "console")]
+            quota,
             thread: Some(thread),
         })
     }
@@ -166,6 +188,43 @@ impl ServerHandle {
             ),
         }
         !self.is_finished()
+    }
+
+    /// Serves the instructor's console on a TCP address, until the result is dropped. Tokens and recordings are those
+    /// of `config`, with which the server was started; persons with passwords are those of the state folder.
+    ///
+    /// # Errors
+    /// The address cannot be used, or the certificate does not fit its key.
+    #[cfg(feature = "console")]
+    pub fn console(
+        &self,
+        listen: SocketAddr,
+        identity: &sulcus_console::Identity,
+        config: &ServerConfig,
+        state: Option<&crate::state::StateFolder>,
+    ) -> Result<sulcus_console::Console, sulcus_console::ConsoleError> {
+        let (tokens, recordings) = (config.tokens.clone(), config.recordings.clone());
+        let key = config.station_key.as_deref();
+        let quota = self.quota.clone();
+        let doors = self.doors.clone();
+        let clients = config.clients.clone();
+        let offers = clients.is_some();
+        let house = crate::console::Doors::new(crate::console::Parts {
+            doors,
+            tokens,
+            recordings,
+            viewers: config.viewers,
+            quota,
+            key,
+            state,
+            clients,
+        });
+        let console = sulcus_console::Console::start(listen, identity, Arc::new(house))?;
+        if offers {
+            // A second console offers the same folder.
+            let _ = self.clients.set(console.local_addr());
+        }
+        Ok(console)
     }
 
     /// Provokes a fault in the running session of a station, for tests.

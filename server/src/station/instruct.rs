@@ -1,5 +1,6 @@
 //! Instructions of instructors to a station, each answered with the first tick that obeys it.
 
+use std::sync::Arc;
 use std::sync::atomic::Ordering;
 use std::time::Duration;
 
@@ -8,22 +9,31 @@ use sulcus_proto::control::{Answer, Command, EndReason, Instruction, Say};
 use sulcus_sessions::{Mode, Occurrence};
 use tokio::sync::oneshot;
 
+use crate::net::codes::Left;
 use crate::session::levels::Taken;
 use crate::session::running::Ports;
 use crate::station::actor::{State, Station};
 use crate::station::config::SessionPlan;
 use crate::station::door::ToStudent;
+use crate::station::ghost::Read;
 use crate::station::planner::{NewPlan, Planner};
 
 /// Timeout for a tick that obeys a command. A simulation that does not tick by then has failed.
 const OBEYED: Duration = Duration::from_secs(2);
+/// The same for ticks at the hand: a connection that is lost for longer returns as a gap of the session.
+const OBEYED_AT_HAND: Duration = Duration::from_secs(60);
 /// Interval between two looks at the newest tick.
 const LOOK: Duration = Duration::from_millis(2);
 
-/// A plan that has been compiled, or the reason why not, and the instructor who waits for it.
-pub(super) struct Prepared {
-    plan: Result<SessionPlan, String>,
-    reply: Option<oneshot::Sender<Answer>>,
+/// Result of a thread that worked for the station.
+pub(super) enum Prepared {
+    /// A plan that has been compiled, or the reason why not, and the instructor who waits for it.
+    Plan {
+        plan: Box<Result<SessionPlan, String>>,
+        reply: Option<oneshot::Sender<Answer>>,
+    },
+    /// Path of a ghost.
+    Ghost(Read),
 }
 
 /// Answer of an instruction that is in force from `tick` on; 0: without a session.
@@ -36,7 +46,7 @@ fn taken(tick: u64) -> Answer {
     }
 }
 
-fn refused(text: &str) -> Answer {
+pub(super) fn refused(text: &str) -> Answer {
     Answer {
         number: 0,
         taken: false,
@@ -87,6 +97,7 @@ impl Station {
                 answer
             }
             Instruction::Plan(text) => return self.plan(by, text.clone(), exams, reply),
+            Instruction::Ghost(file) => return self.ghost(by, file.clone(), reply),
             Instruction::Pause | Instruction::Resume | Instruction::ForceLimit(_) => return,
         };
         // An error means that the instructor has left.
@@ -136,7 +147,7 @@ impl Station {
     }
 
     /// Writes an event of an instructor into the recording.
-    fn log(&mut self, mut said: Occurrence) -> Answer {
+    pub(super) fn log(&self, mut said: Occurrence) -> Answer {
         let State::Running(session) = &self.state else {
             return refused("no session runs at this station");
         };
@@ -192,6 +203,14 @@ impl Station {
         self.compile(None, move |planner| planner.renew(&station));
     }
 
+    /// Ends a seat: the next learner is not the one of before, and the station has its own plan again.
+    pub(super) fn leave(&mut self, left: Left) {
+        // A student who comes before the plan is compiled is not that learner either.
+        Arc::make_mut(&mut self.plan).learner.clear();
+        let station = self.door.name.to_string();
+        self.compile(None, move |planner| planner.leave(&station, left.had_task));
+    }
+
     fn compile(
         &mut self,
         reply: Option<oneshot::Sender<Answer>>,
@@ -204,13 +223,25 @@ impl Station {
             let plan = compiled
                 .await
                 .unwrap_or_else(|_| Err("the compiler of the scene ended unexpectedly".into()));
-            let _ = to_self.send(Prepared { plan, reply }).await;
+            let plan = Box::new(plan);
+            let _ = to_self.send(Prepared::Plan { plan, reply }).await;
         });
     }
 
+    /// Takes the result of a thread.
+    pub(super) fn prepared(&mut self, prepared: Prepared) {
+        match prepared {
+            Prepared::Plan { plan, reply } => self.planned(*plan, reply),
+            Prepared::Ghost(read) => self.show_ghost(read),
+        }
+    }
+
     /// Takes a compiled plan for the next session.
-    pub(super) fn planned(&mut self, prepared: Prepared) {
-        let Prepared { plan, reply } = prepared;
+    fn planned(
+        &mut self,
+        plan: Result<SessionPlan, String>,
+        reply: Option<oneshot::Sender<Answer>>,
+    ) {
         let answer = match plan {
             Ok(plan) => {
                 self.set_plan(plan);
@@ -247,7 +278,13 @@ async fn obeyed(ports: &Ports, number: u64) -> Option<u64> {
         if progress.commands.load(Ordering::Acquire) >= number {
             return Some(progress.since.load(Ordering::Relaxed));
         }
-        if begin.elapsed() >= OBEYED {
+        // A hand far away may be out of reach for a while.
+        let patience = if ports.hand().is_some() {
+            OBEYED_AT_HAND
+        } else {
+            OBEYED
+        };
+        if begin.elapsed() >= patience {
             return None;
         }
         tokio::time::sleep(LOOK).await;

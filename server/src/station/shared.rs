@@ -10,8 +10,10 @@ use tokio::sync::watch;
 use crate::ServerConfig;
 use crate::capacity::{Capacity, Cost, Load, Machine, Model};
 use crate::net::Stage;
+use crate::net::codes::WrongCodes;
 use crate::session::precedence::Places;
 use crate::state::{Denied, Grant, Place};
+use crate::station::quota::Quota;
 
 /// Interval between two queries of the free space on the disk.
 const DISK: Duration = Duration::from_secs(5);
@@ -29,8 +31,12 @@ pub(crate) struct Shared {
     first: (blake3::Hash, Grant),
     /// Sessions on the cores of this machine.
     capacity: Mutex<Capacity>,
+    /// Wrong codes of learners.
+    pub wrong_codes: WrongCodes,
     /// Places of stations with long ticks behind the others.
     pub places: Arc<Places>,
+    /// Quota of the folder of recordings; `None`: the disk is the only limit.
+    pub quota: Option<Arc<Quota>>,
     disk_free_mib: AtomicU64,
     disk_asked: Mutex<Option<Instant>>,
 }
@@ -49,8 +55,12 @@ impl Shared {
         Self {
             first: (blake3::hash(config.token.as_bytes()), first),
             places: Arc::new(Places::of(config.stations.len())),
+            quota: config
+                .recordings_quota
+                .map(|most| Arc::new(Quota::new(&config.recordings, most))),
             config,
             stage,
+            wrong_codes: WrongCodes::default(),
             summaries: Mutex::default(),
             capacity: Mutex::new(Capacity::new(Machine::here(), Model::default())),
             disk_free_mib: AtomicU64::new(0),
@@ -106,9 +116,23 @@ impl Shared {
         self.capacity().update(station as u64, cost);
     }
 
-    /// Frees the place of a session.
+    /// Frees the place of a session, and the room that its recording did not take.
     pub fn release(&self, station: usize) {
         self.capacity().release(station as u64);
+        if let Some(quota) = &self.quota {
+            quota.release(station);
+        }
+    }
+
+    /// Reserves room for the recording of a session.
+    ///
+    /// # Errors
+    /// The folder of recordings has none left by its quota: one sentence.
+    pub fn reserve(&self, station: usize, forecast: u64) -> Result<(), String> {
+        match &self.quota {
+            Some(quota) => quota.admit(station, forecast),
+            None => Ok(()),
+        }
     }
 
     fn capacity(&self) -> std::sync::MutexGuard<'_, Capacity> {
@@ -133,7 +157,8 @@ impl Shared {
         std::mem::take(&mut summaries)
     }
 
-    /// Free space on the disk of recordings, mebibytes, at most [`DISK`] old. The query is one system call.
+    /// Free space for recordings, mebibytes, at most [`DISK`] old: of the disk, or of the quota where that is less. The
+    /// query is one system call.
     pub fn disk_free_mib(&self) -> u64 {
         let mut asked = self
             .disk_asked
@@ -147,6 +172,8 @@ impl Shared {
             self.disk_free_mib
                 .store(free.unwrap_or(0), Ordering::Relaxed);
         }
-        self.disk_free_mib.load(Ordering::Relaxed)
+        let of_disk = self.disk_free_mib.load(Ordering::Relaxed);
+        let of_quota = self.quota.as_ref().map(|quota| quota.left() / (1 << 20));
+        of_quota.map_or(of_disk, |left| of_disk.min(left))
     }
 }

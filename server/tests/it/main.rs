@@ -1,6 +1,7 @@
 //! The server's own commands: tokens, certificate and plans; trees and tissues.
 
 mod administration;
+mod cases;
 mod common;
 mod long;
 mod tissue;

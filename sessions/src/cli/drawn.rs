@@ -89,9 +89,9 @@ impl Folder {
         let name = format!("sulcus-pictures-{}-{number}", std::process::id());
         let path = std::env::temp_dir().join(name);
         // Fails if another user has put a folder there. No other user sees a student's pictures.
-        let mut builder = std::fs::DirBuilder::new();
+        let builder = &mut std::fs::DirBuilder::new();
         #[cfg(unix)]
-        std::os::unix::fs::DirBuilderExt::mode(&mut builder, 0o700);
+        std::os::unix::fs::DirBuilderExt::mode(builder, 0o700);
         builder
             .create(&path)
             .with_context(|| format!("{}: cannot make", path.shown()))?;

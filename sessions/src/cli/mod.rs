@@ -12,6 +12,7 @@ pub mod print;
 mod replay;
 mod review;
 pub mod sibling;
+mod viewers;
 pub mod written;
 
 use std::ffi::OsString;
@@ -64,6 +65,12 @@ enum Command {
     /// Grade recordings from their replay: table, JSON, CSV, pages with a periodontal chart
     #[command(long_about = grade::LONG_ABOUT, after_long_help = grade::EXAMPLES)]
     Grade(grade::GradeArgs),
+    /// Make the channels for viewers of a recording that has none, or compare them with the signed hash
+    #[command(
+        long_about = viewers::ABOUT,
+        after_long_help = viewers::EXAMPLES
+    )]
+    Viewers(viewers::ViewersArgs),
 }
 
 /// Runs the program with these arguments. The first argument is the program's name.
@@ -84,6 +91,7 @@ where
         Command::Review(_) | Command::Picture(_) => false,
         Command::Export(args) => args.json,
         Command::Grade(args) => args.json,
+        Command::Viewers(args) => args.json,
     };
     let outcome = match cli.command {
         Command::Export(args) => Ok(export::run(&args)),
@@ -92,6 +100,7 @@ where
         Command::Info(args) => info::run(&args),
         Command::Replay(args) => replay::run(&args),
         Command::Grade(args) => grade::run(&args),
+        Command::Viewers(args) => viewers::run(&args),
     };
     let code = outcome.unwrap_or_else(|error| {
         if json {

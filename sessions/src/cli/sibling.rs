@@ -6,6 +6,9 @@ use std::path::PathBuf;
 /// Command that builds `sulcus-review`.
 pub const BUILDS_REVIEW: &str = "cargo build --release -p sulcus-view --features rerun";
 
+/// Command that builds `sulcus-sessions`.
+pub const BUILDS_SESSIONS: &str = "cargo build --release -p sulcus-sessions";
+
 /// Path of the program `name`, beside the running program or on PATH. `build` is the command that builds the program.
 ///
 /// # Errors

@@ -63,7 +63,10 @@ fn is_misread(text: &str) -> bool {
         || ["true", "false"]
             .iter()
             .any(|word| shown.eq_ignore_ascii_case(word))
-        || shown.strip_prefix('\'').is_some_and(is_misread)
+        // A blank behind the mark counts: [`read`] sees the untrimmed rest.
+        || [text, shown]
+            .iter()
+            .any(|marked| marked.strip_prefix('\'').is_some_and(is_misread))
 }
 
 fn is_number_or_date(text: &str) -> bool {
@@ -93,7 +96,7 @@ mod tests {
         for changed in [
             "007", "7", "1e5", "12E34", "1.5", "1,5", "3-4", "2026-014", "1/2", "12:30", "10%",
             "mar1", "Dec-01", "1-may", "sept2", "TRUE", "=1+1", "+1", "-1", "@sum", "\tx", "\rx",
-            " =1", "＝1", "'007", "3 pm",
+            " =1", "＝1", "'007", "3 pm", "'\t", "'\r", " '007",
         ] {
             assert_eq!(text(changed), format!("'{changed}"));
         }
@@ -123,9 +126,24 @@ mod tests {
         assert_eq!(read("'t Hooft"), "'t Hooft");
     }
 
+    /// The mark was looked for behind the trimmed text alone, which has no tab left.
+    #[test]
+    fn a_mark_before_nothing_but_a_blank_is_read_again() {
+        for blank in ['\t', '\r', '\n', ' ', '\u{a0}', '\u{b}', '\u{2003}'] {
+            for original in [
+                format!("'{blank}"),
+                format!("''{blank}"),
+                format!("'{blank}'{blank}"),
+                format!("{blank}'{blank}"),
+            ] {
+                assert_eq!(read(&text(&original)), original, "{original:?}");
+            }
+        }
+    }
+
     proptest! {
         #[test]
-        fn what_is_written_is_read_again(original in ".{0,12}|'{0,3}[0-9e./-]{0,6}") {
+        fn what_is_written_is_read_again(original in ".{0,12}|'{0,3}[0-9e./-]{0,6}|[' \t\r\n=+@7e-]{0,5}") {
             // A formula with nothing but a text is a form of that text.
             prop_assume!(!original.starts_with("=\""));
             let written = text(&original);

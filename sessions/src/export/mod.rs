@@ -18,7 +18,7 @@ use serde::Serialize;
 use crate::record::message::Message;
 use crate::record::read::Recording;
 use crate::record::row::Row;
-use crate::record::viewers::Sum;
+use crate::record::viewers::is_sum;
 use crate::replay::{ReplayError, ReplayOptions, replay_observed};
 
 pub use error::ExportError;
@@ -81,9 +81,7 @@ pub fn export(
         };
         for message in recording.messages() {
             match message.map_err(ReplayError::from)? {
-                Message::Event(event) if Sum::parse(&event.text).is_none() => {
-                    events.line(&event)?
-                }
+                Message::Event(event) if !is_sum(&event.text) => events.line(&event)?,
                 Message::Row(row) => devices.as_mut().map_or(Ok(()), |table| table.row(&row))?,
                 _ => {}
             }

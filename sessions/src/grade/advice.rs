@@ -50,22 +50,37 @@ pub fn advice(
     // The sort is stable: equal losses keep the order of the table.
     lost.sort_by(|a, b| b.0.total_cmp(&a.0));
     lost.truncate(MOST);
-    lost.into_iter()
-        .map(|(_, metric)| {
-            let known = definitions::find(metric.name).map_or("", |known| known.advice);
-            let text = if metric.name.starts_with("called_") {
-                of_calls(sites).unwrap_or(known)
-            } else {
-                known
-            };
-            Advice {
-                metric: metric.name,
-                title: metric.title,
-                text: text.into(),
-                sites: shown_by(metric.name, sites, set),
-            }
-        })
-        .collect()
+    let lost = lost.into_iter().map(|(_, metric)| {
+        let known = definitions::find(metric.name).map_or("", |known| known.advice);
+        let text = if metric.name.starts_with("called_") {
+            of_calls(sites).unwrap_or(known)
+        } else {
+            known
+        };
+        Advice {
+            metric: metric.name,
+            title: metric.title,
+            text: text.into(),
+            sites: shown_by(metric.name, sites, set),
+        }
+    });
+    lost.chain(not_judged(metrics)).collect()
+}
+
+/// Advice on the metrics that are not judged, after all other advice: one piece, with the first metric of the most
+/// weight.
+fn not_judged(metrics: &[MetricGrade]) -> Option<Advice> {
+    let not = metrics.iter().filter(|metric| metric.not_judged.is_some());
+    let first = not.reduce(|a, b| if b.weight > a.weight { b } else { a })?;
+    let why = first.not_judged.as_deref()?;
+    Some(Advice {
+        metric: first.name,
+        title: first.title,
+        text: format!(
+            "Not judged: {why}. Repeat the exercise with a device that displays this force."
+        ),
+        sites: Vec::new(),
+    })
 }
 
 /// Advice on calls: the most frequent finding of the zones whose call is not exact. Of equally frequent findings, a

@@ -11,7 +11,8 @@
 //! - [`parts`], [`felt`]: sessions in several recordings; the force that the hand felt
 //! - `zones`, `touches`, [`floor_time`], `hands`, `pressed`, `crown`, `motion`: measures of one tick after another
 //! - [`evidence`], [`watcher`], `patient`, [`sites`]: a whole session
-//! - `measured`, [`definitions`], [`rubric`], `score`, [`report`], `advice`: metrics, weights, the grade as data
+//! - `measured`, [`definitions`], [`rubric`], [`unfelt`], `score`, [`report`], `advice`: metrics, weights, forces that
+//!   the hand did not feel, the grade as data
 //! - [`run`], `text`: from a recording to its grade, and to text
 //! - [`names`] with its reader `sheet`, [`revision`], [`class`]: grades of a class
 //!
@@ -21,6 +22,9 @@
 //! ramp behind a gap the hand feels less than the force of the tick, so a heavy force does not count there. The time of
 //! gaps is no session time, unless the plan says that the clock runs. Recordings before format 6 mark no gaps, and all
 //! their ticks count as before.
+//!
+//! # Devices
+//! A metric of force judges the hand only if the device displays that force: [`unfelt`].
 //!
 //! # Invariants
 //! - No clock, no chance, no order of a hash map, functions by libm: a recording has the same grade on every machine.
@@ -57,6 +61,7 @@ pub(crate) mod test_help;
 pub(crate) mod text;
 mod tolerances;
 mod touches;
+pub mod unfelt;
 pub mod watcher;
 mod zones;
 
@@ -68,4 +73,5 @@ pub use rubric::Rubric;
 pub use run::{GradeError, Graded, Options, finish, grade, grade_session};
 pub use settings::Settings;
 pub use sites::{Finding, SiteGrade};
+pub use unfelt::{Lack, Unfelt};
 pub use watcher::Watcher;

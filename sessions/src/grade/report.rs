@@ -11,6 +11,7 @@ use super::rubric::{Bound, Rubric};
 use super::settings::Settings;
 use super::sites::SiteGrade;
 use super::stats::rounded;
+use super::unfelt::Unfelt;
 use crate::exercise::Exercise;
 use crate::record::bytes::hex;
 use crate::record::format::Migration;
@@ -147,6 +148,10 @@ pub struct MetricGrade {
     pub weight: f64,
     /// Score, 0 to 100; null if the metric does not count.
     pub score: Option<f64>,
+    /// Reason why the metric is not judged, as one sentence. Score and critical errors are then left out. Absent for a
+    /// metric that is judged.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub not_judged: Option<String>,
     /// Score of this metric below which the session is not passed.
     pub pass: Option<f64>,
     /// Points off the total for a score below `pass`.
@@ -308,7 +313,8 @@ pub struct Grade {
     pub score: Option<f64>,
     /// Score from which the session is passed.
     pub pass_mark: Option<f64>,
-    /// Whether the session is passed; null without a grade.
+    /// Whether the session is passed; null without a grade. Outside of practice also null if nothing failed, and a
+    /// metric with a weight or a critical error is not judged.
     pub passed: Option<bool>,
     /// Reasons against a pass, in words.
     pub failures: Vec<String>,
@@ -336,6 +342,9 @@ pub struct Grade {
     /// Force that the hand felt; absent without samples of a device. No metric uses it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub felt: Option<Felt>,
+    /// Devices with a force or torque that the hand did not feel; absent without such a device.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub unfelt: Vec<Unfelt>,
     /// Recordings of the session; absent for a session in one recording.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub parts: Vec<PartFacts>,
@@ -390,6 +399,10 @@ impl Grade {
                 "force at the hand differs",
                 self.felt.map_or(String::new(), |felt| felt.reservation()),
             ),
+            ("not felt by the hand", {
+                let texts: Vec<&str> = self.unfelt.iter().map(|one| &*one.text).collect();
+                texts.join("; ")
+            }),
             (
                 "continued after a stop of the station",
                 match self.parts.len() {
@@ -410,6 +423,16 @@ impl Grade {
         all.into_iter()
             .filter(|(_, what)| !what.is_empty())
             .collect()
+    }
+
+    /// Verdict in words; `None` without a grade.
+    pub fn verdict(&self) -> Option<&'static str> {
+        self.score?;
+        Some(match self.passed {
+            Some(true) => "passed",
+            Some(false) => "not passed",
+            None => "not decided",
+        })
     }
 
     /// Metric of that name. None if it does not apply.

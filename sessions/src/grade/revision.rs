@@ -113,6 +113,22 @@ impl Proposal {
         }
     }
 
+    /// Proposal in the JSON object that `grade --json` prints for a session. None for any other object.
+    pub fn of_json(grade: &serde_json::Value) -> Option<Self> {
+        let rubric = &grade["rubric"];
+        let text = |value: &serde_json::Value| value.as_str().unwrap_or_default().to_owned();
+        let version = rubric["version"].as_u64().unwrap_or_default();
+        Some(Self {
+            score: grade["score"].as_f64(),
+            passed: grade["passed"].as_bool(),
+            rubric: text(&rubric["name"]),
+            rubric_version: u32::try_from(version).ok()?,
+            rubric_blake3: text(&rubric["blake3"]),
+            learner_id: grade["learner_id"].as_str()?.to_owned(),
+            started_unix_ns: grade["started_unix_ns"].as_u64()?,
+        })
+    }
+
     /// This proposal in words, if `now` has another score or another rubric. None if both agree.
     pub fn differs(&self, now: &Self) -> Option<String> {
         let same = (self.score, &self.rubric_blake3) == (now.score, &now.rubric_blake3);
@@ -206,12 +222,12 @@ impl Sidecar {
         Ok(Some(found))
     }
 
-    /// Checks that the file belongs to the session of this grade.
+    /// Checks that the file belongs to the session of this proposal.
     ///
     /// # Errors
     /// Learner and beginning of both sessions, if they differ.
-    pub fn belongs_to(&self, grade: &Grade) -> Result<(), RevisionError> {
-        let (was, is) = (&self.proposal, Proposal::of(grade));
+    pub fn belongs_to(&self, is: &Proposal) -> Result<(), RevisionError> {
+        let was = &self.proposal;
         if (&was.learner_id, was.started_unix_ns) == (&is.learner_id, is.started_unix_ns) {
             return Ok(());
         }
@@ -234,9 +250,13 @@ impl Sidecar {
     ///
     /// # Errors
     /// A value that is not valid, a file of another session, or a file that cannot be written.
-    pub fn add(recording: &Path, grade: &Grade, revision: Revision) -> Result<Self, RevisionError> {
+    pub fn add(
+        recording: &Path,
+        proposal: &Proposal,
+        revision: Revision,
+    ) -> Result<Self, RevisionError> {
         revision.check()?;
-        let mut sidecar = Self::begun(recording, grade)?;
+        let mut sidecar = Self::begun(recording, proposal)?;
         sidecar.revisions.push(revision);
         sidecar.write(recording)?;
         Ok(sidecar)
@@ -247,9 +267,9 @@ impl Sidecar {
     /// # Errors
     /// A score out of range, another own score in the file, a file of another session, or a file that cannot be
     /// written.
-    pub fn assess(recording: &Path, grade: &Grade, own: f64) -> Result<(), RevisionError> {
+    pub fn assess(recording: &Path, proposal: &Proposal, own: f64) -> Result<(), RevisionError> {
         check_own(own)?;
-        let mut sidecar = Self::begun(recording, grade)?;
+        let mut sidecar = Self::begun(recording, proposal)?;
         match sidecar.self_score {
             Some(first) if first == own => return Ok(()),
             Some(first) => return Err(RevisionError::another(own, first)),
@@ -258,14 +278,14 @@ impl Sidecar {
         sidecar.write(recording)
     }
 
-    /// Content of the file beside the recording, or a new one with this grade's proposal.
-    fn begun(recording: &Path, grade: &Grade) -> Result<Self, RevisionError> {
+    /// Content of the file beside the recording, or a new one with this proposal.
+    fn begun(recording: &Path, proposal: &Proposal) -> Result<Self, RevisionError> {
         let sidecar = Self::read(recording)?.unwrap_or_else(|| Self {
-            proposal: Proposal::of(grade),
+            proposal: proposal.clone(),
             self_score: None,
             revisions: Vec::new(),
         });
-        sidecar.belongs_to(grade)?;
+        sidecar.belongs_to(proposal)?;
         Ok(sidecar)
     }
 

@@ -16,14 +16,17 @@ use super::score::{happened, score, total};
 use super::settings::Settings;
 use super::sites::sites;
 use super::stats::rounded;
+use super::unfelt::Devices;
 use super::watcher::Watcher;
 use super::{Rubric, floor_time::FloorTime};
 use crate::exercise::Exercise;
 use crate::exercise::events::call::{Call, READING_CALLED};
 use crate::grade::motion::series::Series;
+use crate::record::device::DeviceFacts;
 use crate::record::ended;
 use crate::record::key::PublicKey;
 use crate::record::message::Message;
+use crate::record::mode::Mode;
 use crate::record::occurrence::Occurrence;
 use crate::record::read::{ReadError, Recording};
 use crate::record::written::WrittenError;
@@ -237,6 +240,7 @@ fn finish_with(
             ended_early: None,
             gaps: gaps(recording, scene, &watcher),
             felt: log.felt,
+            unfelt: Vec::new(),
             parts: Vec::new(),
         },
         series: Series::default(),
@@ -298,7 +302,13 @@ fn finish_with(
         smoothness: smoothness.map(|(median, _)| median),
         set,
     };
-    weigh(&mut graded.grade, exercise, &standard.rubric, &measured);
+    let mut devices = Devices::new(&log.devices, scene, set);
+    let rubric = &standard.rubric;
+    weigh(&mut graded.grade, exercise, rubric, &measured, &mut devices);
+    graded.grade.unfelt = devices.found();
+    if header.mode.unwrap_or_default() != Mode::Practice {
+        leave_open(&mut graded.grade, rubric);
+    }
     let time = &watcher.evidence.floor;
     let grade = &mut graded.grade;
     grade.floor_time = FloorTime {
@@ -343,7 +353,13 @@ fn nothing_there(exercise: &Exercise, graded: &Graded) -> Option<String> {
 }
 
 /// Fills in metrics, critical errors, total score and failures.
-fn weigh(grade: &mut Grade, exercise: &Exercise, rubric: &Rubric, measured: &Measured<'_>) {
+fn weigh(
+    grade: &mut Grade,
+    exercise: &Exercise,
+    rubric: &Rubric,
+    measured: &Measured<'_>,
+    devices: &mut Devices<'_>,
+) {
     let mut scores = Vec::new();
     let mut failures = Vec::new();
     let is_there = |known: &&Definition| {
@@ -355,7 +371,9 @@ fn weigh(grade: &mut Grade, exercise: &Exercise, rubric: &Rubric, measured: &Mea
             continue;
         };
         let value = known.value(measured);
+        let not_judged = devices.against(known, Some(&weighed.target));
         let points = match value {
+            _ if not_judged.is_some() => None,
             Some(value) => Some(score(value, weighed)),
             None if known.missing_is_zero => Some(0.0),
             None => None,
@@ -387,6 +405,7 @@ fn weigh(grade: &mut Grade, exercise: &Exercise, rubric: &Rubric, measured: &Mea
             zero: weighed.zero,
             weight: weighed.weight,
             score: points.map(|points| rounded(points, 1)),
+            not_judged,
             pass: weighed.pass,
             deducted,
             definition: known.definition,
@@ -408,6 +427,13 @@ fn weigh(grade: &mut Grade, exercise: &Exercise, rubric: &Rubric, measured: &Mea
         let Some(known) = find(&critical.metric).filter(is_there) else {
             continue;
         };
+        let is_open = match grade.metric(&critical.metric) {
+            Some(metric) => metric.not_judged.is_some(),
+            None => devices.against(known, None).is_some(),
+        };
+        if is_open {
+            continue;
+        }
         let value = known.critical_value(measured);
         if !happened(critical, value, known.missing_is_zero) {
             continue;
@@ -434,6 +460,19 @@ fn weigh(grade: &mut Grade, exercise: &Exercise, rubric: &Rubric, measured: &Mea
     grade.failures = failures;
 }
 
+/// Leaves a pass open if nothing failed and a part of the rubric is not judged. Otherwise a device without force would
+/// be the way to a pass.
+fn leave_open(grade: &mut Grade, rubric: &Rubric) {
+    let counts = |metric: &&MetricGrade| {
+        let mut critical = rubric.critical.iter();
+        metric.weight > 0.0 || critical.any(|one| one.metric == metric.name)
+    };
+    let mut counted = grade.metrics.iter().filter(counts);
+    if grade.passed == Some(true) && counted.any(|metric| metric.not_judged.is_some()) {
+        grade.passed = None;
+    }
+}
+
 /// Digits of a metric's value after the point.
 fn digits(metric: &Definition) -> u32 {
     match (metric.unit, metric.name) {
@@ -452,6 +491,8 @@ pub struct Log {
     pub ended_early: Option<&'static str>,
     /// Force that the hand felt; `None` without samples of a device.
     pub felt: Option<Felt>,
+    /// Devices of the headers, and other devices after gaps of the connection.
+    pub devices: Vec<DeviceFacts>,
 }
 
 impl Log {
@@ -474,6 +515,7 @@ impl Log {
         (offset, feeling): (u64, &mut Feeling),
     ) -> Result<(), ReadError> {
         let mut tick = offset;
+        self.devices.extend_from_slice(&recording.header().devices);
         feeling.begin();
         // The end of a recording that another one continues is no end of the session.
         self.ended_early = None;
@@ -485,6 +527,8 @@ impl Log {
                 }
                 Message::Event(event) => {
                     self.ended_early = ended::early(&event.text).or(self.ended_early);
+                    let later = DeviceFacts::hear(&event.text);
+                    self.devices.extend(later.unwrap_or_default());
                     let said = Occurrence::parse(&event.text);
                     let said = said.filter(|said| said.kind == READING_CALLED);
                     let call = said.and_then(|said| Call::read(&said.data, scene).ok());

@@ -43,6 +43,23 @@ pub enum SheetError {
 /// # Errors
 /// The first line that is not valid: its number, the text found and the text expected.
 pub fn read<const N: usize>(bytes: &[u8], headings: [&str; N]) -> Result<Vec<Row<N>>, SheetError> {
+    let every = |columns: &[Option<usize>; N]| columns.iter().all(Option::is_some);
+    let names = headings.map(|name| format!("`{name}`")).join(" and ");
+    let expected = format!("the columns {names}, each once");
+    read_some(bytes, headings, every, &expected).map(|(rows, _)| rows)
+}
+
+/// The same for tables that need not have every column: `fits` judges the columns found, `None` for a missing one.
+/// Cells of a missing column are empty. Returns the rows, and whether each column was found.
+///
+/// # Errors
+/// The first line that is not valid. `expected` is the sentence about a head that does not fit.
+pub fn read_some<const N: usize>(
+    bytes: &[u8],
+    headings: [&str; N],
+    fits: impl Fn(&[Option<usize>; N]) -> bool,
+    expected: &str,
+) -> Result<(Vec<Row<N>>, [bool; N]), SheetError> {
     let text = lines_of(&decode(bytes)?);
     let (named, body, above) = named_separator(&text);
     let mut seen: Option<(u64, StringRecord)> = None;
@@ -50,8 +67,9 @@ pub fn read<const N: usize>(bytes: &[u8], headings: [&str; N]) -> Result<Vec<Row
         let Some((line, head)) = head(body, separator) else {
             continue;
         };
-        if let Some(columns) = columns(&head, headings) {
-            return rows(body, separator, &head, columns, above);
+        if let Some(columns) = columns(&head, headings).filter(&fits) {
+            let rows = rows(body, separator, &head, columns, above)?;
+            return Ok((rows, columns.map(|at| at.is_some())));
         }
         // The separator with the most cells in the head is the likeliest.
         if seen
@@ -67,10 +85,7 @@ pub fn read<const N: usize>(bytes: &[u8], headings: [&str; N]) -> Result<Vec<Row
         line: line.max(1) + above,
         field: "header",
         found: format!("`{}`", cells.join(",").escape_debug()),
-        expected: format!(
-            "the columns {}, each once, separated by commas, semicolons or tabs",
-            headings.map(|name| format!("`{name}`")).join(" and ")
-        ),
+        expected: format!("{expected}, separated by commas, semicolons or tabs"),
     })
 }
 
@@ -171,16 +186,16 @@ fn plain(heading: &str) -> String {
     letters.flat_map(char::to_lowercase).collect()
 }
 
-/// Columns of the headings. None unless each heading occurs once.
-fn columns<const N: usize>(head: &StringRecord, headings: [&str; N]) -> Option<[usize; N]> {
-    let mut found = [0; N];
+/// Columns of the headings; a missing heading has none. No answer if a heading occurs twice.
+fn columns<const N: usize>(head: &StringRecord, headings: [&str; N]) -> Option<[Option<usize>; N]> {
+    let mut found = [None; N];
     for (at, heading) in found.iter_mut().zip(headings) {
         let wanted = plain(heading);
         let mut all = head
             .iter()
             .enumerate()
             .filter(|(_, cell)| plain(cell) == wanted);
-        *at = all.next()?.0;
+        *at = all.next().map(|(at, _)| at);
         if all.next().is_some() {
             return None;
         }
@@ -192,7 +207,7 @@ fn rows<const N: usize>(
     body: &str,
     separator: u8,
     head: &StringRecord,
-    columns: [usize; N],
+    columns: [Option<usize>; N],
     above: u64,
 ) -> Result<Vec<Row<N>>, SheetError> {
     let mut all = Vec::new();
@@ -221,7 +236,10 @@ fn rows<const N: usize>(
                 );
             }
         }
-        let cells = columns.map(|at| trimmed(record.get(at).unwrap_or("")).to_owned());
+        let cells = columns.map(|at| {
+            let cell = at.and_then(|at| record.get(at));
+            trimmed(cell.unwrap_or("")).to_owned()
+        });
         all.push(Row { line, cells });
     }
     Ok(all)

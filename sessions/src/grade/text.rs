@@ -65,10 +65,10 @@ impl Grade {
             lines.push(format!("  NO GRADE   {}", safe(why)));
             return lines.join("\n");
         };
-        let passed = if self.passed == Some(true) {
-            "passed"
-        } else {
-            "NOT PASSED"
+        let passed = match self.passed {
+            Some(true) => "passed",
+            Some(false) => "NOT PASSED",
+            None => "NOT DECIDED",
         };
         lines.push(format!(
             "  score      {score:.1} of 100, {passed} (pass mark {:.1}; proposed by the program)",
@@ -85,9 +85,11 @@ impl Grade {
             "metric", "value", "target", "weight", "score"
         ));
         for metric in &self.metrics {
-            let score = metric
-                .score
-                .map_or("-".into(), |score| format!("{score:.0}"));
+            let score = match metric.score {
+                _ if metric.not_judged.is_some() => "not judged".into(),
+                Some(score) => format!("{score:.0}"),
+                None => "-".into(),
+            };
             lines.push(format!(
                 "  {:42} {:>12} {:>14} {:>7} {score:>6}",
                 metric.title,

@@ -13,6 +13,7 @@ mod filters;
 pub mod instants;
 mod jaw;
 mod markup;
+pub mod moments;
 mod pictured;
 mod plots;
 #[cfg(test)]

@@ -6,7 +6,7 @@ use sulcus_proto::control::EndReason;
 const BEGINS: &str = "session ended: ";
 
 /// All reasons. The `match` in [`words`] fails to compile with a new reason.
-const ALL: [EndReason; 8] = [
+const ALL: [EndReason; 9] = [
     EndReason::Stopped,
     EndReason::TimeUp,
     EndReason::Shutdown,
@@ -15,6 +15,7 @@ const ALL: [EndReason; 8] = [
     EndReason::Recording,
     EndReason::Simulation,
     EndReason::Instructor,
+    EndReason::Diverged,
 ];
 
 /// Line of the log for a reason.
@@ -41,6 +42,7 @@ fn words(reason: EndReason) -> Option<&'static str> {
         EndReason::Recording => Some("the recording could not be written"),
         EndReason::Simulation => Some("the simulation could not go on"),
         EndReason::Instructor => Some("an instructor ended the session"),
+        EndReason::Diverged => Some("the ticks at the hand and those of the station differ"),
     }
 }
 
@@ -54,7 +56,7 @@ mod tests {
         let lost = early(&line(EndReason::ConnectionLost));
         assert_eq!(lost, words(EndReason::ConnectionLost));
         let early_ones = ALL.iter().filter(|reason| early(&line(**reason)).is_some());
-        assert_eq!(early_ones.count(), 6);
+        assert_eq!(early_ones.count(), 7);
         for other in [
             line(EndReason::Stopped),
             line(EndReason::TimeUp),

@@ -6,7 +6,8 @@
 //!
 //! - Read as the present version: the tick has the same bits. In version 4 only the encoding of the exact messages
 //!   differs, and each channel names its encoding (`Layout`). Version 5 has no samples of devices and fewer fields in
-//!   the header. A grade treats gaps of the connection in recordings from version 6 on ([`GAPS_SINCE`]).
+//!   the header. A grade treats gaps of the connection in recordings from version 6 on ([`GAPS_SINCE`]). Version 6 has
+//!   no couplings of its own in the header, and fewer facts of a device.
 //! - Migrated: the present tick runs the inputs, from the first snapshot to the end. A grade may rest on the replay as
 //!   long as the replay stays close ([`crate::replay::CLOSE`]), and says so. Later snapshots are only compared.
 //!   Otherwise an older version number in a header could bring a state into a grade that no hand has caused.
@@ -52,7 +53,7 @@ pub(crate) enum Layout {
 }
 
 /// All versions before the present one.
-const FORMER: [Version; 5] = [
+const FORMER: [Version; 6] = [
     Version {
         number: "1",
         what: "rows have no level of detail, and states have no tissue; written on 21 November 2026 by 0.1.0, before release",
@@ -76,6 +77,11 @@ const FORMER: [Version; 5] = [
     Version {
         number: "5",
         what: "what the hand felt is not recorded, and gaps of the connection are not graded apart",
+        read: Read::AsPresent,
+    },
+    Version {
+        number: "6",
+        what: "couplings are always those of the scene, and devices have fewer facts",
         read: Read::AsPresent,
     },
 ];

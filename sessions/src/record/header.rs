@@ -4,16 +4,19 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 use serde::de::DeserializeOwned;
+use sulcus_core::Coupling;
 
+use crate::record::coupling;
 use crate::record::device::{DeviceFacts, Limits};
 use crate::record::key::PublicKey;
 use crate::record::mode::Mode;
 use crate::record::plan::PlanFacts;
+use crate::record::policy::ViewersPolicy;
 use crate::record::predecessor::Predecessor;
 
 /// Version of the recording's layout and of the meaning of its numbers ([`crate::record::format`]). Another version is
 /// migrated or refused.
-pub const FORMAT_VERSION: &str = "6";
+pub const FORMAT_VERSION: &str = "7";
 /// Name of the metadata record.
 pub(crate) const METADATA: &str = "sulcus";
 /// Key of the hash of the tick's sources; absent in recordings from before 24 November 2026.
@@ -26,6 +29,11 @@ const LIMITS: &str = "limits";
 const PLAN: &str = "plan";
 const ATTACH_EPOCH: &str = "attach_epoch";
 const PREDECESSOR: &str = "predecessor";
+/// Key of the couplings, since format 7; absent without a value.
+const COUPLINGS: &str = "couplings";
+/// Key of the policy about the channels for viewers; absent for the policy `recorded`. Programs before 28 November 2026
+/// ignore the key.
+const VIEWERS: &str = "viewers";
 /// Name of the compiled scene's attachment.
 pub(crate) const SCENE: &str = "scene.bin";
 /// Attachments besides the scene: all text.
@@ -73,6 +81,10 @@ pub struct SessionHeader {
     pub attach_epoch: Option<u32>,
     /// Recording that this one continues; `None` for the beginning of a session.
     pub predecessor: Option<Predecessor>,
+    /// Couplings in force, in the order of the tools. Empty for the scene's own couplings, and before format 7.
+    pub couplings: Vec<Coupling>,
+    /// Policy about the channels for viewers. The metadata have no key for the policy `recorded`.
+    pub viewers: ViewersPolicy,
 }
 
 impl SessionHeader {
@@ -103,10 +115,12 @@ impl SessionHeader {
             plan: None,
             attach_epoch: None,
             predecessor: None,
+            couplings: Vec::new(),
+            viewers: ViewersPolicy::default(),
         }
     }
 
-    /// Checks the values of the fields since format 6: field, value found, value expected.
+    /// Checks the values of the fields since formats 6 and 7: field, value found, value expected.
     pub(crate) fn check(&self) -> Result<(), String> {
         self.devices.iter().try_for_each(DeviceFacts::check)?;
         let twice = |k: usize| {
@@ -119,7 +133,10 @@ impl SessionHeader {
         }
         self.limits.as_ref().map_or(Ok(()), Limits::check)?;
         self.plan.as_ref().map_or(Ok(()), PlanFacts::check)?;
-        self.predecessor.as_ref().map_or(Ok(()), Predecessor::check)
+        self.predecessor
+            .as_ref()
+            .map_or(Ok(()), Predecessor::check)?;
+        coupling::check(&self.couplings)
     }
 
     /// Name and bytes of each attachment.
@@ -175,8 +192,12 @@ impl SessionHeader {
             (PLAN, written(self.plan.as_ref())),
             (ATTACH_EPOCH, written(self.attach_epoch.as_ref())),
             (PREDECESSOR, written(self.predecessor.as_ref())),
+            (COUPLINGS, coupling::written(&self.couplings)),
         ] {
             pairs.extend(value.map(|value| (key.to_owned(), value)));
+        }
+        if self.viewers != ViewersPolicy::default() {
+            pairs.insert(VIEWERS.to_owned(), self.viewers.name().to_owned());
         }
         pairs
     }
@@ -219,6 +240,14 @@ impl SessionHeader {
             plan: read(pairs, PLAN)?,
             attach_epoch: read(pairs, ATTACH_EPOCH)?,
             predecessor: read(pairs, PREDECESSOR)?,
+            couplings: match pairs.get(COUPLINGS) {
+                Some(text) => coupling::read(text).ok_or(COUPLINGS)?,
+                None => Vec::new(),
+            },
+            viewers: match pairs.get(VIEWERS) {
+                Some(name) => ViewersPolicy::from_name(name).ok_or(VIEWERS)?,
+                None => ViewersPolicy::default(),
+            },
         };
         header.check()?;
         Ok((header, signer))
@@ -266,7 +295,7 @@ mod tests {
     use crate::record::key::StationKey;
     use crate::record::plan::PlanChange;
 
-    /// Header with every field since format 6.
+    /// Header with every field since formats 6 and 7.
     fn full() -> SessionHeader {
         let device = |tool| DeviceFacts {
             tool,
@@ -276,6 +305,12 @@ mod tests {
             max_force_n: 3.3,
             max_torque_nm: 0.0,
             force_dof: 3,
+            library: "openhaptics".into(),
+            coupling: Some(Coupling {
+                n_per_m: 400.0,
+                nm_per_rad: 0.0,
+            }),
+            ..DeviceFacts::default()
         };
         SessionHeader {
             devices: vec![device(0), device(1)],
@@ -300,6 +335,14 @@ mod tests {
                 file: "first.mcap".into(),
                 blake3: [9; 32],
             }),
+            couplings: vec![
+                Coupling {
+                    n_per_m: 400.0,
+                    nm_per_rad: 0.1,
+                };
+                2
+            ],
+            viewers: ViewersPolicy::OnDemand,
             ..SessionHeader::new(vec![1, 2, 3])
         }
     }
@@ -320,6 +363,8 @@ mod tests {
             (PLAN, "7"),
             (ATTACH_EPOCH, "-1"),
             (PREDECESSOR, r#"{"file":"x","blake3":"00"}"#),
+            (COUPLINGS, r#"[{"n_per_m":"soft","nm_per_rad":"1"}]"#),
+            (VIEWERS, "none"),
         ] {
             let mut bad = pairs.clone();
             bad.insert(key.to_owned(), value.to_owned());
@@ -336,6 +381,12 @@ mod tests {
         assert!(said.contains("workspace_scale is NaN"), "{said}");
         let said = refused(|header| header.devices[0].force_dof = 7);
         assert!(said.contains("force_dof is 7"), "{said}");
+        let said = refused(|header| header.devices[0].friction_n = -1.0);
+        assert!(said.contains("friction_n is -1"), "{said}");
+        let said = refused(|header| header.devices[1].torque_axes = 4);
+        assert!(said.contains("torque_axes is 4"), "{said}");
+        let said = refused(|header| header.couplings[1].n_per_m = 0.0);
+        assert!(said.contains("tool 1: stiffness_n_per_m is 0"), "{said}");
         let said = refused(|header| {
             header.limits.as_mut().expect("limits").max_force_n = f64::INFINITY;
         });
@@ -350,7 +401,7 @@ mod tests {
     fn the_digest_covers_every_field() {
         let signer = StationKey::from_seed([1; 32]).public();
         let plain = full();
-        let mut changed = vec![plain.clone(); 20];
+        let mut changed = vec![plain.clone(); 23];
         changed[0].scene.push(4);
         for (header, field) in changed[1..].iter_mut().zip(0..) {
             match field {
@@ -372,6 +423,9 @@ mod tests {
                 15 => header.plan = None,
                 16 => header.attach_epoch = Some(5),
                 17 => header.predecessor = None,
+                18 => header.couplings[1].nm_per_rad = 0.2,
+                19 => header.couplings.clear(),
+                20 => header.viewers = ViewersPolicy::Recorded,
                 _ => header.started_unix_ns += 1,
             }
         }
@@ -385,6 +439,6 @@ mod tests {
         ));
         digests.sort_unstable();
         digests.dedup();
-        assert_eq!(digests.len(), 22);
+        assert_eq!(digests.len(), 25);
     }
 }

@@ -4,16 +4,19 @@ use std::fmt;
 use std::path::Path;
 
 use serde::Serialize;
+use sulcus_core::Coupling;
 use sulcus_program::PathText;
 
 use crate::record::attach::Absence;
 use crate::record::bytes::hex;
+use crate::record::coupling;
 use crate::record::device::{DeviceFacts, Limits};
 use crate::record::format::Migration;
 use crate::record::message::Message;
 use crate::record::mode::Mode;
 use crate::record::person::PersonFacts;
 use crate::record::plan::PlanFacts;
+use crate::record::policy::ViewersPolicy;
 use crate::record::predecessor::Predecessor;
 use crate::record::read::{Ending, ReadError, Recording};
 use crate::record::signature::Signature;
@@ -81,6 +84,10 @@ pub struct Info {
     pub predecessor: Option<Predecessor>,
     /// Devices, by slot.
     pub devices: Vec<DeviceFacts>,
+    /// Other devices after a gap of the connection.
+    pub later_devices: Vec<DeviceFacts>,
+    /// Couplings in force, in the order of the tools; empty for those of the scene.
+    pub couplings: Vec<Coupling>,
     /// Limits of the wrench that the station sent; null if unknown.
     pub limits: Option<Limits>,
     /// Facts of the station's plan; null without a plan.
@@ -99,6 +106,8 @@ pub struct Info {
     pub ending: Ending,
     /// Counters of the station at the end of the session.
     pub end: Option<SessionEnd>,
+    /// Policy about the channels for viewers.
+    pub viewers_policy: ViewersPolicy,
     /// Public key that the recording names as its signer.
     pub signer: String,
     /// Result of the signatures, by the key that the recording names.
@@ -121,7 +130,7 @@ pub fn info(path: &Path, recording: &Recording) -> Result<Info, ReadError> {
     let (from, to) = facts.times_unix_ns.unwrap_or_default();
     let duration_s = to.saturating_sub(from) as f64 * 1e-9;
     let sizes = sizes(recording, duration_s)?;
-    let (absences, person) = told(recording)?;
+    let told = told(recording)?;
     // The header is stored once, however long the session is.
     let body = recording.len() - sizes.header_bytes;
     Ok(Info {
@@ -153,15 +162,18 @@ pub fn info(path: &Path, recording: &Recording) -> Result<Info, ReadError> {
         blake3: hex(&recording.blake3()),
         predecessor: header.predecessor.clone(),
         devices: header.devices.clone(),
+        later_devices: told.later_devices,
+        couplings: header.couplings.clone(),
         limits: header.limits,
         plan: header.plan.clone(),
         attach_epoch: header.attach_epoch,
         device_samples: facts.device_samples,
-        person,
-        absences,
+        person: told.person,
+        absences: told.absences,
         started_unix_ns: header.started_unix_ns,
         ending: recording.ending().clone(),
         end: facts.end,
+        viewers_policy: header.viewers,
         signer: recording.signer().fingerprint(),
         viewers: recording.viewers_by(&verdict.signature),
         signature: verdict.signature,
@@ -169,16 +181,25 @@ pub fn info(path: &Path, recording: &Recording) -> Result<Info, ReadError> {
     })
 }
 
-/// Gaps of the connection, and settings of the student, in the log of a recording.
-fn told(recording: &Recording) -> Result<(Vec<Absence>, Option<PersonFacts>), ReadError> {
-    let (mut absences, mut person) = (Vec::new(), None);
+/// Facts in the log of a recording.
+#[derive(Default)]
+struct Told {
+    absences: Vec<Absence>,
+    person: Option<PersonFacts>,
+    later_devices: Vec<DeviceFacts>,
+}
+
+fn told(recording: &Recording) -> Result<Told, ReadError> {
+    let mut told = Told::default();
     for message in recording.messages() {
         if let Message::Event(event) = message? {
-            Absence::hear(&mut absences, &event.text);
-            person = PersonFacts::hear(&event.text).or(person);
+            Absence::hear(&mut told.absences, &event.text);
+            told.person = PersonFacts::hear(&event.text).or(told.person);
+            let later = DeviceFacts::hear(&event.text);
+            told.later_devices.extend(later.unwrap_or_default());
         }
     }
-    Ok((absences, person))
+    Ok(told)
 }
 
 impl Info {
@@ -192,10 +213,16 @@ impl Info {
 }
 
 impl Info {
-    /// Lines about devices, limits, plan, gaps and predecessor.
+    /// Lines about devices, couplings, limits, plan, gaps and predecessor.
     fn of_the_connection(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         for device in &self.devices {
             writeln!(f, "  device     {device}")?;
+        }
+        for device in &self.later_devices {
+            writeln!(f, "  later      {device}")?;
+        }
+        for (tool, coupling) in self.couplings.iter().enumerate() {
+            writeln!(f, "  coupling   {}", coupling::words(tool, coupling))?;
         }
         if self.device_samples > 0 {
             writeln!(

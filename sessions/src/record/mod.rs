@@ -4,12 +4,14 @@
 //! tick. It also contains the output of every tick (wrench, status, chained state hash) and snapshots every ten
 //! seconds. The station signs a chain of hashes over all of these.
 //!
-//! # Layout of a recording (format version 6)
+//! # Layout of a recording (format version 7)
 //! - attachments `scene.bin`, `exercise`, `patient`, `rubric`, then metadata `sulcus`: versions, station, opaque
 //!   learner id, mode, blake3 of every attachment, public key of the signer; as JSON, each if it is known: `devices`,
-//!   `limits`, `plan`, `attach_epoch`, `predecessor` ([`crate::SessionHeader`])
+//!   `limits`, `plan`, `attach_epoch`, `predecessor`, `couplings`; `viewers` if the policy is `on-demand`
+//!   ([`crate::SessionHeader`])
 //! - the exact channels, on which a replay and a grade rest
-//! - channels for viewers ([`channels`]), in chunks of their own, with one hash over all of them in the signed log
+//! - channels for viewers ([`channels`]), in chunks of their own, with one hash over all of them in the signed log;
+//!   with the policy `on-demand` ([`policy`]) one of them, and a replay makes the others ([`crate::with_viewers`])
 //! - metadata `sulcus.recovered` in a recovered file ([`crate::recover()`]): ending of the damaged file, missing part,
 //!   gaps ([`crate::Gap`])
 //!
@@ -45,27 +47,35 @@
 //! # Gaps of the connection
 //! The session goes on while a student is gone. Two lines of the log mark the gap ([`crate::Occurrence`]): `detached`
 //! at the first tick without the student, with a `reason`; `attached` at the first tick with the student, with `epoch`
-//! and `gap_ticks`. A change of a level (`paused`, `resumed`, `force_limit`) names its side: `by` is `station`,
-//! `student` or the opaque id of an instructor's token.
+//! and `gap_ticks`. `devices_changed` follows if the student is back with other devices. A change of a level (`paused`,
+//! `resumed`, `force_limit`) names its side: `by` is `station`, `student` or the opaque id of an instructor's token.
 //!
 //! # Sessions in several files
 //! After a crash of the station's program the session goes on in a second file. The signed header of the second file
 //! names the first one and its BLAKE3 hash ([`predecessor`]). Each file replays by itself; the grade takes all of them.
 //!
+//! # Couplings
+//! A haptic device may display only a softer coupling than that of the scene. The session then runs with the softer
+//! coupling, and the header contains it. [`crate::Recording::scene`] returns the scene with it. The attachment
+//! `scene.bin` and its hash remain those of the compiled scene.
+//!
 //! # Former versions
-//! Up to version 5 rows have no samples, and the JSON fields of the header are absent. Up to version 4 the messages of
-//! these four channels were the inner bytes alone, in encodings `sulcus-row`, `sulcus-state`, `sulcus-chain` and
-//! `json`. Both encodings are read, because each channel names its encoding.
+//! Up to version 6 the couplings are those of the scene, and a device has fewer fields. Up to version 5 rows have no
+//! samples, and the JSON fields of the header are absent. Up to version 4 the messages of these four channels were the
+//! inner bytes alone, in encodings `sulcus-row`, `sulcus-state`, `sulcus-chain` and `json`. Both encodings are read,
+//! because each channel names its encoding.
 //!
 //! # Invariants
 //! - The file on disk is a clean prefix at any moment, because chunks are appended whole.
 //! - No bytes make reading panic or take memory beyond a bound.
 //! - The recorder never runs in the tick's thread. The owner of the queue between them counts dropped rows.
 
+pub mod at_hand;
 pub mod attach;
 pub(crate) mod bytes;
 pub(crate) mod chain;
 pub mod channels;
+pub(crate) mod coupling;
 pub mod device;
 pub mod ended;
 pub(crate) mod envelope;
@@ -82,8 +92,10 @@ pub(crate) mod note;
 pub mod occurrence;
 pub mod person;
 pub mod plan;
+pub mod policy;
 pub mod predecessor;
 pub mod program;
+pub(crate) mod raw;
 pub mod read;
 pub mod recorder;
 pub mod recover;

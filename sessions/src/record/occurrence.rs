@@ -40,13 +40,13 @@ impl Occurrence {
         }
     }
 
-    /// Importance. Faults of a learner and gaps of the connection are warnings.
+    /// Importance. Faults of a learner, gaps of the connection and other devices after a gap are warnings.
     pub fn level(&self) -> Level {
         let light = self.kind == FORCE_ZONE && self.data["zone"] == zone_name(ForceZone::Light);
         let wrong = match self.kind.as_str() {
             FORCE_ZONE => !light,
             "angle" => self.data["right"] == false,
-            "withdrawn" | "detached" => true,
+            "withdrawn" | "detached" | "devices_changed" | "diverged" => true,
             "bleeding" => self.data["cause"] == "trauma",
             _ => false,
         };

@@ -17,7 +17,7 @@ use crate::record::program::Program;
 use crate::record::signature::Signature;
 use crate::record::statement::SessionEnd;
 use crate::record::unpack::{Topics, unpack};
-use crate::record::viewers::{Sum, Viewers};
+use crate::record::viewers::{Said, Viewers};
 
 pub use ending::Ending;
 pub use error::ReadError;
@@ -41,10 +41,13 @@ pub struct Facts {
     pub times_unix_ns: Option<(u64, u64)>,
     /// Counters of the recording program at the end of the session; not verified here.
     pub end: Option<SessionEnd>,
+    /// Reason why the ticks at the hand and those of the station are not the same, one sentence; `None`: they are, or
+    /// the station ticked.
+    pub diverged: Option<String>,
     /// Damaged chunks of the channels for viewers, which were skipped.
     pub damaged_views: u64,
-    /// Hash over the channels for viewers in the log.
-    pub(crate) viewers: Option<Sum>,
+    /// Hashes over the channels for viewers in the log.
+    pub(crate) viewers: Option<Said>,
 }
 
 /// Bytes of a recording, mapped or in memory.
@@ -116,13 +119,18 @@ impl Recording {
         *blake3::hash(&self.bytes).as_bytes()
     }
 
-    /// Compiled scene, validated.
+    /// Scene of the session: the compiled scene with the couplings of the header, validated.
     ///
     /// # Errors
-    /// The bytes are no scene of this version.
+    /// The bytes are no scene of this version, or the couplings do not fit the scene.
     pub fn scene(&self) -> Result<Scene, ReadError> {
         let recorded_by = || Box::new(Program::of(&self.header));
-        Scene::from_bytes(&self.header.scene).map_err(|source| match source {
+        let compiled = Scene::from_bytes(&self.header.scene);
+        let scene = match self.header.couplings.as_slice() {
+            [] => compiled,
+            couplings => compiled.and_then(|scene| scene.with_couplings(couplings)),
+        };
+        scene.map_err(|source| match source {
             SceneError::Version { found } => ReadError::SceneVersion {
                 recorded_by: recorded_by(),
                 found,
@@ -154,7 +162,9 @@ impl Recording {
     /// State of the channels for viewers. With an invalid signature the hash in the log proves nothing.
     pub fn viewers_by(&self, signature: &Signature) -> Viewers {
         match (self.viewers, signature) {
-            (Viewers::AsSigned, Signature::Invalid { .. }) => Viewers::NotSigned,
+            (Viewers::AsSigned | Viewers::OnDemand, Signature::Invalid { .. }) => {
+                Viewers::NotSigned
+            }
             // A part of the channels may be missing in a gap.
             (Viewers::Changed, _) if !self.gaps.is_empty() => Viewers::NotSigned,
             (viewers, _) => viewers,

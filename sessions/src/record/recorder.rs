@@ -3,34 +3,28 @@
 mod begin;
 mod error;
 mod output;
+mod tape;
 mod viewers;
 
 use std::fs::OpenOptions;
 use std::path::Path;
 
-use prost::Message;
-
 use crate::record::chain::{Chain, Link};
-use crate::record::channels::foxglove_types::log;
 use crate::record::envelope;
 use crate::record::header;
 use crate::record::header::SessionHeader;
 use crate::record::key::StationKey;
 use crate::record::message::{Event, Level, Topic};
 use crate::record::row::Row;
-use crate::record::schema::Schema;
 use crate::record::statement::{SessionEnd, Statement};
 use crate::record::storage::{FileStorage, Storage};
 
+pub(crate) use begin::Head;
 pub use error::RecordError;
 pub(crate) use output::reason;
+pub(crate) use tape::Tape;
+pub(crate) use viewers::Extent;
 
-use begin::begin;
-use output::{Mcap, Output};
-use viewers::Views;
-
-/// Record time between two flushes, nanoseconds: the loss by kill -9, besides the chunk being written.
-const FLUSH_EVERY_NS: u64 = 100_000_000;
 /// Record time between two signatures, nanoseconds.
 const SIGN_EVERY_NS: u64 = 10_000_000_000;
 /// Time between two snapshots of the state in a recording, seconds.
@@ -49,16 +43,12 @@ pub struct Finished {
 ///
 /// A recorder that is dropped without [`Recorder::finish`] leaves a file that is read as cut off.
 pub struct Recorder {
-    output: Output,
-    ids: [u16; Topic::ALL.len()],
-    /// Channel of the log for viewers.
-    log: u16,
-    views: Views,
+    tape: Tape,
     key: StationKey,
     chain: Chain,
     hashes: [[u8; 32]; 3],
-    /// Record time of the last flush and of the last signature. The first message sets both.
-    times: Option<(u64, u64)>,
+    /// Record time of the last signature. The first row sets it.
+    signed: Option<u64>,
     last_time: u64,
     /// Protobuf message around the bytes of the next message.
     sealed: Vec<u8>,
@@ -102,22 +92,16 @@ impl Recorder {
         key: StationKey,
     ) -> Result<Self, RecordError> {
         header.check().map_err(RecordError::Header)?;
-        let stopped = |error: mcap::McapError| RecordError::Stopped {
-            rows: 0,
-            what: reason(&error),
-        };
         let metadata = header.to_metadata(&key.public());
         let digest = header::digest(&metadata);
-        let begun = begin(storage, header, metadata).map_err(stopped)?;
+        let head = Head { header, metadata };
+        let tape = Tape::begin(storage, &head, header.viewers, Extent::Policy)?;
         Ok(Self {
-            output: Output::new(begun.writer),
-            ids: begun.ids,
-            log: begun.log,
-            views: begun.views,
+            tape,
             key,
             chain: Chain::new(digest),
             hashes: [digest, header.scene_hash(), header.exercise_hash()],
-            times: None,
+            signed: None,
             last_time: header.started_unix_ns,
             sealed: Vec::new(),
             snapshots: 0,
@@ -140,7 +124,7 @@ impl Recorder {
                 last: self.chain.tick(),
             });
         }
-        if !self.output.is_open() {
+        if !self.tape.is_open() {
             self.lost_rows += 1;
             return Ok(());
         }
@@ -186,8 +170,7 @@ impl Recorder {
         text: &str,
     ) -> Result<(), RecordError> {
         self.log_exactly(time_unix_ns, level, text)?;
-        let log = log(time_unix_ns, level, text);
-        self.view(self.log, self.last_time, &log)
+        self.tape.say(self.last_time, time_unix_ns, level, text)
     }
 
     fn log_exactly(
@@ -214,32 +197,12 @@ impl Recorder {
     /// # Errors
     /// Writing fails for the first time.
     pub fn flush(&mut self) -> Result<(), RecordError> {
-        self.write(|writer| writer.flush())?;
-        self.views.flush(&mut self.output, self.chain.rows())
+        self.tape.flush()
     }
 
-    /// Adds a channel of protobuf messages for viewers. After a failure to write the number is meaningless.
-    pub(crate) fn add_view(&mut self, topic: &str, schema: &Schema) -> Result<u16, RecordError> {
-        let (mut id, views) = (0, &mut self.views);
-        let rows = self.chain.rows();
-        self.output.write(rows, |writer| {
-            id = views.declare(writer, topic, schema)?;
-            Ok(())
-        })?;
-        Ok(id)
-    }
-
-    /// Adds a message to a channel for viewers.
-    pub(crate) fn view(
-        &mut self,
-        channel: u16,
-        time_unix_ns: u64,
-        message: &impl Message,
-    ) -> Result<(), RecordError> {
-        if self.output.is_open() && self.views.push(channel, time_unix_ns, message) {
-            self.flush()?;
-        }
-        Ok(())
+    /// File with the channels for viewers.
+    pub(crate) fn tape(&mut self) -> &mut Tape {
+        &mut self.tape
     }
 
     /// Number of rows given to the file.
@@ -254,38 +217,23 @@ impl Recorder {
     pub fn finish(mut self, end: SessionEnd) -> Result<Finished, RecordError> {
         self.flush()?;
         // Only the exact log has this line, because the channels for viewers are complete.
-        let line = self.views.sum().line();
+        let line = self.tape.said().line();
         self.log_exactly(self.last_time, Level::Info, &line)?;
         self.sign(self.last_time, Some(end))?;
-        let rows = self.rows();
-        let stopped = |what: String| RecordError::Stopped { rows, what };
-        let Some(mut writer) = self.output.take() else {
-            let lost = self.lost_rows;
-            return Err(stopped(format!(
-                "{lost} rows came after writing had failed"
-            )));
-        };
-        writer.finish().map_err(|error| stopped(reason(&error)))?;
-        let sink = writer.into_inner().into_inner();
-        let bytes = sink.close().map_err(|error| stopped(error.to_string()))?;
-        Ok(Finished { bytes, rows })
+        let bytes = self.tape.finish(self.lost_rows)?;
+        Ok(Finished {
+            bytes,
+            rows: self.rows(),
+        })
     }
 
     fn on_time(&mut self, now: u64) -> Result<(), RecordError> {
-        // A clock that was set back counts like a clock that went on. Rows must not wait until the clock has caught up.
-        let (flushed, signed) = *self.times.get_or_insert((now, now));
+        let signed = *self.signed.get_or_insert(now);
         if now.abs_diff(signed) >= SIGN_EVERY_NS {
             self.sign(now, None)?;
-            self.times = Some((flushed, now));
+            self.signed = Some(now);
         }
-        if now.abs_diff(flushed) >= FLUSH_EVERY_NS {
-            self.write(|writer| writer.flush())?;
-            if self.views.is_due() {
-                self.views.flush(&mut self.output, self.chain.rows())?;
-            }
-            self.times = self.times.map(|(_, signed)| (now, signed));
-        }
-        Ok(())
+        self.tape.on_time(now)
     }
 
     fn sign(&mut self, time_unix_ns: u64, end: Option<SessionEnd>) -> Result<(), RecordError> {
@@ -317,24 +265,8 @@ impl Recorder {
         sealed: Vec<u8>,
     ) -> Result<(), RecordError> {
         self.last_time = time_unix_ns;
-        let header = output::header(self.ids[topic as usize], self.chain.rows(), time_unix_ns);
-        let written = self.write(|writer| writer.write_to_known_channel(&header, &sealed));
+        let written = self.tape.put(topic, time_unix_ns, &sealed);
         self.sealed = sealed;
         written
-    }
-
-    fn write(
-        &mut self,
-        action: impl FnOnce(&mut Mcap) -> mcap::McapResult<()>,
-    ) -> Result<(), RecordError> {
-        self.output.write(self.chain.rows(), action)
-    }
-}
-
-impl Drop for Recorder {
-    fn drop(&mut self) {
-        // A panic elsewhere should not cost the last tenth of a second.
-        let _ = self.flush();
-        self.output.abandon();
     }
 }

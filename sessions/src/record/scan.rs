@@ -96,7 +96,7 @@ fn scan(bytes: Arc<Bytes>, depth: Depth) -> Result<Recording, ReadError> {
     let mut walk = Walk::new(&bytes).ok_or(ReadError::NotMcap)?;
     let head = Head::read(walk.clone())?;
     let checked = head.check()?;
-    let mut pass = Pass::new(&head, depth);
+    let mut pass = Pass::new(&head, depth, checked.header.viewers);
     let ending = pass.run(&mut walk);
     if pass.state.facts.rows == 0 {
         return Err(ReadError::NoRows {

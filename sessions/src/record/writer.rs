@@ -108,6 +108,11 @@ impl SessionWriter {
         self.recorder.snapshot(unix_ns, tick, state)
     }
 
+    /// Number of rows given to the file.
+    pub fn rows(&self) -> u64 {
+        self.recorder.rows()
+    }
+
     /// Hands all complete chunks to the system.
     ///
     /// # Errors

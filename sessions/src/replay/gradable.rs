@@ -23,6 +23,9 @@ pub(super) fn why_not(recording: &Recording, report: &ReplayReport) -> Option<St
             end.dropped_rows
         ));
     }
+    if let Some(why) = &recording.facts().diverged {
+        return Some(why.clone());
+    }
     let rows = recording.facts().rows;
     if end.ticks != rows {
         return Some(format!(
@@ -49,6 +52,9 @@ pub fn why_not_continued(recording: &Recording, report: &ReplayReport) -> Option
         && !report.is_close()
     {
         return Some(differs(report, tick));
+    }
+    if let Some(why) = &recording.facts().diverged {
+        return Some(why.clone());
     }
     match &report.signature {
         Signature::Invalid { reason, .. } => Some(reason.clone()),

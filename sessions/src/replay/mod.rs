@@ -10,6 +10,7 @@ mod report;
 mod run;
 mod span;
 mod stretch;
+pub mod viewers;
 pub mod whatif;
 
 use std::time::Instant;

@@ -10,7 +10,8 @@
 //! What can be graded carries its rubric, and has its grade beside it (`NAME.grade.json`): years later it is the same. In
 //! `tests/corpus/before` are recordings of the same format that an earlier program made, without what it did not write yet. In
 //! `tests/corpus/format-N` are a few of those that an earlier version of the format made. The files of `tests/corpus` itself are of
-//! version 4 until the corpus is made anew. Those of `format-5` are the rows of the present files, written by a program of version 5.
+//! version 4 until the corpus is made anew. Those of `format-5` and `format-6` are the rows of the present files, written by
+//! programs of these versions.
 //!
 //! # How it is made
 //! ```text
@@ -65,9 +66,10 @@ const FORMER: [(&str, &[&str]); 1] = [(
 )];
 
 /// Recordings of former versions whose tick is the present one, by folder: held to every bit. `crown` has its grade beside it.
-const FORMER_OF_THIS_TICK: [(&str, &[&str]); 2] = [
+const FORMER_OF_THIS_TICK: [(&str, &[&str]); 3] = [
     ("format-4", &["crown", "hard-wedge"]),
     ("format-5", &["crown", "hard-wedge"]),
+    ("format-6", &["crown", "hard-wedge"]),
 ];
 
 fn folder() -> PathBuf {
@@ -205,6 +207,7 @@ fn a_former_version_cannot_pass_for_the_present_one() {
         ("4", Some("differs")),
         ("5", Some("differs")),
         ("6", Some("differs")),
+        ("7", Some("differs")),
     ] {
         let bytes = std::fs::read(folder().join("format-3/hard-tongue-teleport.mcap")).unwrap();
         let recording = Recording::from_bytes(rewritten(

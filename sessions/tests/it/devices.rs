@@ -36,6 +36,7 @@ fn facts(header: &mut SessionHeader) {
         max_force_n: 3.3,
         max_torque_nm: 0.0,
         force_dof: 3,
+        ..DeviceFacts::default()
     }];
     header.limits = Some(Limits {
         max_force_n: 3.0,
@@ -119,7 +120,7 @@ fn every_pose_is_recorded_once_with_what_the_hand_felt() {
         "{report:?}"
     );
     let recording = Recording::from_bytes(bytes).unwrap();
-    assert_eq!(recording.format(), 6);
+    assert_eq!(recording.format(), 7);
     let told = info(Path::new("x.mcap"), &recording).unwrap();
     assert_eq!(told.device_samples, 200);
     assert_eq!(

@@ -179,7 +179,7 @@ fn what_is_no_recording_is_told_in_one_sentence() {
     let text = told(&with("format_version", "1"));
     assert!(
         text.contains("format version `1`")
-            && text.contains("reads `6`, `4`, `5` and, migrated, `3`:")
+            && text.contains("reads `7`, `4`, `5`, `6` and, migrated, `3`:")
             && text.contains("older"),
         "{text}"
     );

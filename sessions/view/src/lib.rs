@@ -29,6 +29,8 @@ mod cli;
 #[cfg(feature = "rerun")]
 mod layout;
 #[cfg(feature = "rerun")]
+pub mod live;
+#[cfg(feature = "rerun")]
 mod review;
 #[cfg(feature = "rerun")]
 pub mod session;

@@ -8,12 +8,8 @@
 //! # Long proofs
 //! A proof of minutes is a row of the table [`long::LONG`] and begins with [`long::selected`]. `SULCUS_LONG=all` runs
 //! all.
-//!
-//! # Networks
-//! [`relay::Relay`] carries UDP packets between a client and a server, and cuts the path on request.
 
 pub mod long;
-pub mod relay;
 mod resource;
 
 pub use resource::Resource;

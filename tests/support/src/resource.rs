@@ -17,11 +17,25 @@ pub enum Resource {
     Browser,
     /// A graphics adapter, in hardware or software.
     Adapter,
+    /// The program `curl`.
+    Curl,
+    /// The program `systemd-analyze`.
+    Systemd,
+    /// Root, `mmdebstrap` and `buildah`, for images and whole machines.
+    Image,
 }
 
 impl Resource {
     /// All resources, in the order of messages.
-    pub const ALL: [Self; 4] = [Self::Data, Self::Python, Self::Browser, Self::Adapter];
+    pub const ALL: [Self; 7] = [
+        Self::Data,
+        Self::Python,
+        Self::Browser,
+        Self::Adapter,
+        Self::Curl,
+        Self::Systemd,
+        Self::Image,
+    ];
 
     /// Name in `SULCUS_REQUIRE`.
     pub fn name(self) -> &'static str {
@@ -30,6 +44,9 @@ impl Resource {
             Self::Python => "python",
             Self::Browser => "browser",
             Self::Adapter => "adapter",
+            Self::Curl => "curl",
+            Self::Systemd => "systemd",
+            Self::Image => "image",
         }
     }
 

@@ -2,9 +2,10 @@
 
 use crate::sources::{MEMBERS, root, walk};
 
-/// Sources that may name the reader of TOML: the three ways to [`sulcus_core::exactly`], and the reader of a recording's patient,
-/// which looks at single values of a table.
-const READERS: [&str; 4] = [
+/// Sources that may name the reader of TOML: the four ways to [`sulcus_core::exactly`], and the reader of a recording's
+/// patient, which looks at single values of a table.
+const READERS: [&str; 5] = [
+    "client/haptics/src/exact.rs",
     "server/scene/src/hand_written.rs",
     "server/src/exact.rs",
     "sessions/src/grade/patient.rs",

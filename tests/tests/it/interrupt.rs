@@ -110,6 +110,7 @@ fn a_server_whose_terminal_hangs_up_leaves_a_finished_gradable_recording() {
     let mut server = Serving {
         address: text("address"),
         ticket: text("ticket"),
+        console: None,
         process,
     };
     let session = place.join(&server);

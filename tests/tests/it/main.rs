@@ -1,10 +1,15 @@
 //! The programs from outside, over real sockets and real files.
 
 mod addresses;
+mod backup;
+mod codes;
 mod couplings;
 mod demo;
+mod devices;
 mod documents;
+mod erasure;
 mod export;
+mod first_start;
 mod folders;
 mod full_disk;
 mod hand_written;
@@ -13,11 +18,16 @@ mod kill;
 mod kills;
 mod lessons;
 mod long;
+mod monitor;
 mod output;
+mod persons;
 mod readers;
 mod refusals;
 mod replays;
 mod report;
+mod rollover;
 mod sources;
 mod station;
 mod tidy;
+mod upgrade;
+mod viewers;

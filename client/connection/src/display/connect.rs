@@ -155,7 +155,7 @@ async fn show(config: &LinkConfig, cache: Option<&Cache>) -> Result<Shown, LinkE
     let lost = |error: quinn::ConnectionError| LinkError::Lost(error.to_string());
     let greeting = async {
         let (mut send, mut recv) = connection.open_bi().await.map_err(lost)?;
-        control::write(&mut send, &handshake::client_hello(config)).await?;
+        control::write(&mut send, &handshake::client_hello(config, Duration::ZERO)).await?;
         match sulcus_link::control::read(&mut recv).await? {
             ServerMessage::Welcome(_) => {
                 let known = cache.map(Cache::known).unwrap_or_default();

@@ -1,12 +1,14 @@
 //! Handshake: from a connection to the server's hello, or to an error of one sentence.
 
 use std::sync::OnceLock;
+use std::time::Duration;
 
 use quinn::{Connection, ConnectionError, Endpoint, RecvStream, SendStream};
 use sulcus_proto::control::{ClientHello, Refused, RefusedReason, ServerHello, capability};
-use sulcus_proto::{ClientMessage, CodecError, ServerMessage};
+use sulcus_proto::{ClientMessage, CodecError, Role, ServerMessage};
 
 use super::{LinkConfig, LinkError, control, reach};
+use crate::at_hand::{FAR, TickPlace};
 
 /// Valid periods of the server's tick, nanoseconds. The device's loop runs at this period.
 const TICKS_NS: std::ops::RangeInclusive<u64> = 100_000..=10_000_000;
@@ -26,19 +28,27 @@ fn self_test() -> u64 {
     *HASH.get_or_init(sulcus_core::self_test)
 }
 
-/// First message of a client.
-pub(crate) fn client_hello(config: &LinkConfig) -> ClientMessage {
+/// First message of a client on a path with the round trip `rtt`.
+pub(crate) fn client_hello(config: &LinkConfig, rtt: Duration) -> ClientMessage {
+    let tick_at_hand = match config.tick {
+        _ if config.role != Role::Student => false,
+        TickPlace::Server => false,
+        TickPlace::Hand => true,
+        TickPlace::Auto => config.scene_hash != [0; 32] && rtt > FAR,
+    };
     ClientMessage::Hello(ClientHello {
         program: env!("CARGO_PKG_VERSION").to_owned(),
         token: config.token.clone(),
         role: config.role,
         station: config.station.clone(),
-        device: config.device.clone(),
+        devices: config.devices.clone(),
         learner: config.learner.clone(),
         exercise: config.exercise.clone(),
         epoch: config.follows,
-        capabilities: capability::SHOWS_MESSAGES,
+        capabilities: capability::SHOWS_MESSAGES | capability::TICK_AT_HAND,
         self_test: self_test(),
+        tick_at_hand,
+        scene_hash: config.scene_hash,
     })
 }
 
@@ -61,7 +71,11 @@ async fn greet(
 ) -> Result<Welcome, LinkError> {
     let lost = |error: ConnectionError| LinkError::lost(&error);
     let (mut send, mut recv) = connection.open_bi().await.map_err(lost)?;
-    let hello = client_hello(config);
+    let mut rtt = connection.rtt();
+    if config.tick == TickPlace::Auto && config.scene_hash != [0; 32] && rtt > FAR {
+        rtt = super::path::least_rtt(&connection).await?;
+    }
+    let hello = client_hello(config, rtt);
     control::write(&mut send, &hello).await?;
     match sulcus_link::control::read(&mut recv)
         .await
@@ -121,7 +135,8 @@ pub(crate) fn turned_away(Refused { reason, text }: Refused) -> LinkError {
         | RefusedReason::BadHello
         | RefusedReason::Role
         | RefusedReason::Full
-        | RefusedReason::Server => LinkError::Refused(text),
+        | RefusedReason::Server
+        | RefusedReason::Device => LinkError::Refused(text),
     }
 }
 

@@ -14,7 +14,9 @@ mod config;
 pub(crate) mod control;
 mod error;
 pub(crate) mod handshake;
+mod heard;
 mod network;
+mod path;
 pub(crate) mod reach;
 mod returning;
 mod stats;
@@ -34,12 +36,15 @@ use triple_buffer::{Input, Output};
 
 pub use config::{LinkConfig, Pin};
 pub use error::LinkError;
+pub use heard::Heard;
 pub use network::Network;
+pub use path::{PathFigures, measure_path};
 pub use stats::LinkStats;
 use sulcus_haptics::Watchdog;
 pub use sulcus_link::clock::monotonic_ns as now_ns;
 pub use transport::client_config;
 
+use crate::at_hand::outbox::{Out, Rows};
 use stats::Shared;
 use sulcus_link::Bell;
 
@@ -47,6 +52,8 @@ use sulcus_link::Bell;
 pub(crate) const LAST_PACKETS: Duration = Duration::from_millis(500);
 /// Timeout for the goodbye after a stop. In this time the server finishes and signs the recording.
 const GOODBYE: Duration = Duration::from_secs(20);
+/// The same for ticks at the hand, whose inputs may have to be handed in first.
+const GOODBYE_AT_HAND: Duration = Duration::from_secs(600);
 
 /// Readings of the devices of both hands.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -54,6 +61,10 @@ pub struct PosePacket {
     /// For each tool slot: number, time by [`now_ns`] and period of the reading, `world_from_tool` at the device point,
     /// the buttons, and the wrench displayed last, after gate and limits.
     pub tools: [ToolPose; TOOLS],
+    /// Newest tick at the hand; 0 if the server ticks.
+    pub tick: u64,
+    /// Number of the run of that tick: [`Link::restarts`]. A pose of a former run is not sent.
+    pub run: u32,
 }
 
 /// A wrench and its arrival.
@@ -82,8 +93,11 @@ pub struct Link {
     poses: Input<PosePacket>,
     wrenches: Output<Option<WrenchPacket>>,
     bell: Bell,
+    /// Rows of ticks at the hand, if the client asked for them.
+    rows: Option<Rows>,
     watchdog: Watchdog,
     messages: Option<Sender<ClientMessage>>,
+    heard: Receiver<Heard>,
     goodbye: Receiver<Result<Goodbye, LinkError>>,
     shared: Arc<Shared>,
     /// Disconnected at the end of the link's task.
@@ -127,6 +141,23 @@ impl Link {
         self.bell.ring();
     }
 
+    /// Whether the ticks of this session run at the hand. The device's loop then computes them.
+    pub fn ticks_at_hand(&self) -> bool {
+        self.hello.plan.tick_at_hand && self.rows.is_some()
+    }
+
+    /// Number of times that the ticks at the hand begin again from the first one: the server has restarted and lost the
+    /// session. Rows name this number.
+    pub fn restarts(&self) -> u32 {
+        self.shared.restarts()
+    }
+
+    /// Queues the row of a tick at the hand. Wait-free. `false`: the rows cannot be handed in, and the session cannot
+    /// go on.
+    pub fn send_row(&mut self, out: Out) -> bool {
+        self.rows.as_mut().is_some_and(|rows| rows.push(out))
+    }
+
     /// Newest wrench so far, also after the end of the link; `None` before the first one. [`Link::force_gate`] gives
     /// the share of the force to display.
     pub fn latest_wrench(&mut self) -> Option<WrenchPacket> {
@@ -164,6 +195,11 @@ impl Link {
         self.say(ClientMessage::Event(event))
     }
 
+    /// Next message of an instructor; `None`: no message waits. The call neither blocks nor locks.
+    pub fn heard(&self) -> Option<Heard> {
+        self.heard.try_recv().ok()
+    }
+
     /// Whether the link carries packets or tries to. `false` after the server's goodbye, an invalid message, or a lost
     /// connection without a return.
     pub fn is_open(&self) -> bool {
@@ -177,7 +213,15 @@ impl Link {
 
     /// Counters and times of packets so far. The call takes a lock, so the device's loop must not use it.
     pub fn stats(&self) -> LinkStats {
-        self.shared.stats()
+        let stats = self.shared.stats();
+        match &self.rows {
+            Some(rows) if self.ticks_at_hand() => LinkStats {
+                ticks_behind: rows.outbox().behind(),
+                bytes_per_tick: rows.outbox().bytes_per_tick(),
+                ..stats
+            },
+            _ => stats,
+        }
     }
 
     /// Stops the session and returns the summary of the server's goodbye.
@@ -198,7 +242,12 @@ impl Link {
         if let Some(messages) = &self.messages {
             let _ = messages.blocking_send(ClientMessage::Stop);
         }
-        match self.goodbye.recv_timeout(GOODBYE) {
+        let patience = if self.ticks_at_hand() {
+            GOODBYE_AT_HAND
+        } else {
+            GOODBYE
+        };
+        match self.goodbye.recv_timeout(patience) {
             Ok(result) => result,
             Err(RecvTimeoutError::Timeout) => Err(LinkError::NoGoodbye),
             Err(RecvTimeoutError::Disconnected) => {

@@ -10,6 +10,7 @@ use tokio::time::Instant;
 
 use super::handshake::{Welcome, shake};
 use super::{LinkConfig, LinkError};
+use crate::at_hand::TickPlace;
 
 /// Timeout of one attempt.
 const ATTEMPT: Duration = Duration::from_millis(1500);
@@ -26,6 +27,8 @@ pub(super) struct Returning {
     /// Hash of the scene and period of the tick, which must be the same after a return.
     scene_hash: [u8; 32],
     tick_ns: u64,
+    /// Whether the ticks run at the hand. A server that has restarted has lost their beginning.
+    at_hand: bool,
     /// Time that the server grants for a return.
     within: Duration,
     /// Whether the session was started.
@@ -40,10 +43,17 @@ impl Returning {
         Self {
             config: LinkConfig {
                 timeout: ATTEMPT,
+                // The place of the ticks stays, on whatever path the client returns.
+                tick: if hello.plan.tick_at_hand {
+                    TickPlace::Hand
+                } else {
+                    TickPlace::Server
+                },
                 ..config
             },
             scene_hash: hello.scene_hash,
             tick_ns: hello.tick_ns,
+            at_hand: hello.plan.tick_at_hand,
             within: Duration::from_millis(u64::from(hello.plan.resume_within_ms)),
             started: false,
             stopped: false,
@@ -88,7 +98,8 @@ impl Returning {
         let mut until = Instant::now() + self.within;
         let mut hurried = false;
         loop {
-            if self.stopped && !hurried {
+            // Inputs of ticks at the hand wait for the return as long as the server does.
+            if self.stopped && !hurried && !self.at_hand {
                 (hurried, until) = (true, until.min(Instant::now() + AFTER_STOP));
             }
             let config = self.config.clone();
@@ -140,6 +151,10 @@ impl Returning {
         let hello = &welcome.hello;
         if hello.scene_hash != self.scene_hash || hello.tick_ns != self.tick_ns {
             let text = "the server simulates another scene after the return";
+            return Err(LinkError::Refused(text.into()));
+        }
+        if hello.plan.tick_at_hand != self.at_hand {
+            let text = "the server has restarted, and the ticks would run at the other end";
             return Err(LinkError::Refused(text.into()));
         }
         if !hello.resumed && !self.stopped {

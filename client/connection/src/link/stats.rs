@@ -4,6 +4,7 @@ use std::sync::atomic::{AtomicBool, AtomicU32, AtomicU64, Ordering};
 use std::sync::{Mutex, PoisonError};
 
 use sulcus_link::Times;
+use sulcus_proto::datagram::Echo;
 use sulcus_proto::newest::ArrivalCounts;
 use sulcus_proto::{NewestWins, Percentiles};
 
@@ -17,9 +18,9 @@ pub struct LinkStats {
     pub poses_offered: u64,
     /// Number of poses that QUIC took for sending.
     ///
-    /// Of the others, most were replaced by a newer pose first. A pose with a number that is not finite, and a pose
-    /// after the end of the connection, are not counted either. QUIC may still drop a counted pose: a full send buffer
-    /// loses its oldest datagram.
+    /// Of the others, most were left out at a lower rate, or replaced by a newer pose first. A pose with a number that
+    /// is not finite, and a pose after the end of the connection, are not counted either. QUIC may still drop a counted
+    /// pose: a full send buffer loses its oldest datagram.
     pub poses_sent: u64,
     /// Counts of arrived wrenches of the session's epochs.
     pub wrenches: ArrivalCounts,
@@ -32,10 +33,20 @@ pub struct LinkStats {
     pub rtt_us: Percentiles,
     /// [`LinkStats::rtt_us`] without the time that the server held the pose, microseconds.
     pub network_us: Percentiles,
+    /// Time from the arrival of a pose at the server to the begin of the tick that used it first, microseconds.
+    pub wait_us: Percentiles,
+    /// Number of offered poses for each one that is sent: 1 at the full rate, more on a path with queues or losses.
+    pub rate_divisor: u32,
+    /// Number of times that the rate of the poses fell.
+    pub rate_falls: u64,
     /// Number of returns to the session after a lost connection.
     pub returns: u32,
     /// Number of answered poses, which is the number of samples of both times.
     pub answered: u64,
+    /// Number of ticks at the hand that the server has not computed yet; 0 if the server ticks.
+    pub ticks_behind: u64,
+    /// Mean length of the inputs of a tick at the hand, bytes; 0 if the server ticks.
+    pub bytes_per_tick: f64,
 }
 
 /// Counters of both threads.
@@ -45,6 +56,8 @@ pub(super) struct Shared {
     /// Whether the connection is lost and the link tries to return.
     returning: AtomicBool,
     returns: AtomicU32,
+    /// Number of returns to a server that had lost the session, whose ticks at the hand began again.
+    restarts: AtomicU32,
     inner: Mutex<Numbers>,
 }
 
@@ -54,8 +67,11 @@ pub(super) struct Numbers {
     pub sent: u64,
     pub foreign: u64,
     pub malformed: u64,
+    pub divisor: u32,
+    pub falls: u64,
     rtt_ns: Times,
     network_ns: Times,
+    wait_ns: Times,
 }
 
 impl Shared {
@@ -65,14 +81,18 @@ impl Shared {
             sent: 0,
             foreign: 0,
             malformed: 0,
+            divisor: 1,
+            falls: 0,
             rtt_ns: Times::up_to(LONGEST_S),
             network_ns: Times::up_to(LONGEST_S),
+            wait_ns: Times::up_to(LONGEST_S),
         };
         Self {
             offered: AtomicU64::new(0),
             closed: AtomicBool::new(false),
             returning: AtomicBool::new(false),
             returns: AtomicU32::new(0),
+            restarts: AtomicU32::new(0),
             inner: Mutex::new(numbers),
         }
     }
@@ -102,6 +122,15 @@ impl Shared {
         self.returning.store(false, Ordering::Release);
     }
 
+    /// Counts a begin of the ticks at the hand from the first one.
+    pub fn restart(&self) {
+        self.restarts.fetch_add(1, Ordering::AcqRel);
+    }
+
+    pub fn restarts(&self) -> u32 {
+        self.restarts.load(Ordering::Acquire)
+    }
+
     pub fn is_returning(&self) -> bool {
         self.returning.load(Ordering::Acquire)
     }
@@ -121,18 +150,24 @@ impl Shared {
             malformed: numbers.malformed,
             rtt_us: numbers.rtt_ns.percentiles(),
             network_us: numbers.network_ns.percentiles(),
+            wait_us: numbers.wait_ns.percentiles(),
+            rate_divisor: numbers.divisor,
+            rate_falls: numbers.falls,
             returns: self.returns.load(Ordering::Relaxed),
             answered: numbers.rtt_ns.count(),
+            ticks_behind: 0,
+            bytes_per_tick: 0.0,
         })
     }
 }
 
 impl Numbers {
-    /// Records the times of an answered pose: `rtt_ns` from its measurement to the first wrench, of which the server
-    /// held the pose for `hold_us`.
-    pub fn answered(&mut self, rtt_ns: u64, hold_us: u32) {
+    /// Records the times of an answered pose: `rtt_ns` from its measurement to the first wrench, and the times at the
+    /// server in its echo.
+    pub fn answered(&mut self, rtt_ns: u64, echo: &Echo) {
         self.rtt_ns.record(rtt_ns);
         self.network_ns
-            .record(rtt_ns.saturating_sub(u64::from(hold_us) * 1000));
+            .record(rtt_ns.saturating_sub(u64::from(echo.hold_us) * 1000));
+        self.wait_ns.record(u64::from(echo.wait_us) * 1000);
     }
 }

@@ -3,7 +3,7 @@
 use sulcus_cases::fuzz;
 use sulcus_connection::device::{DeviceEvent, EventDevice};
 use sulcus_core::{MAX_TOOLS, Scene, ToolInput};
-use sulcus_haptics::{Device, Shown};
+use sulcus_haptics::{HandSource, Shown};
 use sulcus_operator::Script;
 use sulcus_operator::present;
 
@@ -40,7 +40,7 @@ pub(super) enum Player {
     Leaps(Leaps),
 }
 
-impl Device for Player {
+impl HandSource for Player {
     fn name(&self) -> &str {
         match self {
             Self::Hand(hand) => hand.name(),

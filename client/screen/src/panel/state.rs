@@ -141,6 +141,8 @@ pub struct Status {
     pub force_limit_n: Option<f64>,
     /// Settings of the person; `None` without any.
     pub person: Option<Person>,
+    /// Newest message of an instructor; `None` some time after it came.
+    pub message: Option<String>,
     /// Warnings, most important first.
     pub warnings: Vec<Warning>,
 }

@@ -10,6 +10,8 @@ use crate::text::{Weight, wrap};
 
 /// Largest number of warnings on the screen.
 const MOST_WARNINGS: usize = 3;
+/// Largest number of rows of an instructor's message.
+const MESSAGE_ROWS: usize = 4;
 
 /// Text with a shape before it, in a flow of rows.
 #[derive(Clone, Debug, PartialEq)]
@@ -157,16 +159,23 @@ fn add(canvas: &mut Canvas, line: &mut Area, item: &Item) {
     line.cut_left(2.0 * size.advance());
 }
 
-/// Adds the banner of a pause off the top of `area`.
+/// Adds the banner of a pause and the message of an instructor off the top of `area`.
 pub fn banner(canvas: &mut Canvas, area: &mut Area, status: &Status, strings: &Strings) {
     let words = &strings.status;
-    let text = match (status.paused_by_student, status.paused_by_station) {
-        (false, false) => return,
-        (true, false) => words.paused_by_student,
-        (false, true) => words.paused_by_station,
-        (true, true) => words.paused_by_both,
+    let pause = match (status.paused_by_student, status.paused_by_station) {
+        (false, false) => None,
+        (true, false) => Some(words.paused_by_student),
+        (false, true) => Some(words.paused_by_station),
+        (true, true) => Some(words.paused_by_both),
     };
-    notice(canvas, area, text, (YELLOW, Mark::Bars), true);
+    if let Some(text) = pause {
+        notice(canvas, area, text, (YELLOW, Mark::Bars), Place::Top(2));
+    }
+    if let Some(text) = &status.message {
+        let text = fill(words.message, &[text]);
+        let place = Place::Top(MESSAGE_ROWS);
+        notice(canvas, area, &text, (SKY_BLUE, Mark::Full), place);
+    }
 }
 
 /// Adds the first warnings off the bottom of `area`.
@@ -178,32 +187,39 @@ pub fn warnings(canvas: &mut Canvas, area: &mut Area, status: &Status, strings: 
             Warning::SlowPicture => words.slow_picture.into(),
             Warning::Other(text) => text.clone(),
         };
-        notice(canvas, area, &text, (ORANGE, Mark::Cross), false);
+        notice(canvas, area, &text, (ORANGE, Mark::Cross), Place::Bottom(2));
     }
 }
 
-/// Adds a text with a shape on a bright ground, in at most two rows.
+/// Edge of a notice, with its largest number of rows.
+#[derive(Clone, Copy)]
+enum Place {
+    Top(usize),
+    Bottom(usize),
+}
+
+/// Adds a text with a shape on a bright ground.
 fn notice(
     canvas: &mut Canvas,
     area: &mut Area,
     text: &str,
     (ground, mark): (Rgba, Mark),
-    at_top: bool,
+    place: Place,
 ) {
+    let (Place::Top(most) | Place::Bottom(most)) = place;
     let (size, pad, row) = (canvas.metrics.size, canvas.metrics.pad, canvas.metrics.row);
     let side = mark_side(canvas);
     let beside = 2.0 * pad + side + size.advance();
-    let lines = wrap(text, size.columns(area.width() - beside), 2);
+    let lines = wrap(text, size.columns(area.width() - beside), most);
     let widest = lines
         .iter()
         .map(|line| size.measure(line)[0])
         .fold(0.0, f32::max);
     let height = row * lines.len() as f32 + pad;
     let mut rest = *area;
-    let cut = if at_top {
-        rest.cut_top(height)
-    } else {
-        rest.cut_bottom(height)
+    let cut = match place {
+        Place::Top(_) => rest.cut_top(height),
+        Place::Bottom(_) => rest.cut_bottom(height),
     };
     let Some(mut block) = cut.filter(|_| !lines.is_empty()) else {
         return;

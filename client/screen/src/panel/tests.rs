@@ -45,6 +45,7 @@ fn full(mode: Mode) -> PanelState {
             paused_by_station: true,
             force_limit_n: Some(2.75),
             person: Some(Person::default()),
+            message: Some("A little flatter, please, and rest the finger on the crown.".into()),
             warnings: vec![
                 Warning::NoForce("mouse".into()),
                 Warning::SlowPicture,

@@ -68,6 +68,7 @@ pub const ENGLISH: Strings = Strings {
         running: "Running",
         paused: "Paused",
         paused_by_student: "Paused by you",
+        message: "Instructor: {}",
         paused_by_station: "Paused by the instructor",
         paused_by_both: "Paused by you and by the instructor",
         limit: "Limit {0} N",

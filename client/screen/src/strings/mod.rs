@@ -226,6 +226,8 @@ pub struct StatusWords {
     pub running: &'static str,
     /// The session is paused.
     pub paused: &'static str,
+    /// Message of an instructor: 0 is its text.
+    pub message: &'static str,
     /// Pause by the student.
     pub paused_by_student: &'static str,
     /// Pause by the instructor.

@@ -6,7 +6,7 @@ use std::time::Duration;
 
 use quinn::{Connection, Endpoint, RecvStream, SendStream};
 use sulcus_connection::link::{Pin, client_config};
-use sulcus_proto::control::{ClientHello, DeviceInfo};
+use sulcus_proto::control::ClientHello;
 use sulcus_proto::frame::{self, LENGTH_BYTES};
 use sulcus_proto::{ClientMessage, Role, ServerMessage};
 
@@ -27,12 +27,14 @@ pub fn hello(role: Role, token: &str) -> ClientMessage {
         token: token.into(),
         role,
         station: String::new(),
-        device: DeviceInfo::default(),
+        devices: Vec::new(),
         learner: String::new(),
         exercise: String::new(),
         epoch: 0,
         capabilities: 0,
         self_test: 0,
+        tick_at_hand: false,
+        scene_hash: [0; 32],
     })
 }
 

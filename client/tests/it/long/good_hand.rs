@@ -82,7 +82,7 @@ fn a_good_hand_reads_lightly_in_mouths_that_it_was_not_tuned_on() {
         .flat_map(|(reads, _)| reads.clone())
         .collect();
     let told: usize = sessions.iter().map(|(_, told)| told).sum();
-    let count = |range: std::ops::Range<f64>| reads.iter().filter(|n| range.contains(n)).count();
+    let count = |range: std::ops::Range<f64>| reads.iter().filter(|n| range.contains(*n)).count();
     let (inside, heavy, light) = (
         count(0.20..0.23),
         count(0.25..f64::INFINITY),

@@ -1,6 +1,7 @@
 //! The hard cases, and the measures that judge them.
 
 mod crown;
+mod device_loop;
 mod hard_cases;
 mod long;
 mod one_dof;

@@ -28,15 +28,16 @@ pub const DEVICE_DAMPING: f64 = 4.0;
 /// Largest dampings in CHAI3D, N m s/rad: 0.004 for a Premium 6DOF and 0.07 for a sigma.7.
 pub const DEVICE_SPIN_DAMPING: f64 = 0.01;
 
-/// Delay of the loop, seconds: a datagram to the station and back over a wired link.
+/// Delay of the loop that the check of a scene assumes, seconds: a datagram to the station and back over a wired link.
 ///
 /// Source: median of 0.18 ms measured with quinn, both ends on one machine.
 pub const LINK_DELAY: f64 = 2e-4;
 
-/// Returns the stiffness limit, N/m or N m/rad, of a coupling computed every `period` seconds. `damping` is that of the
-/// device, N s/m or N m s/rad. At or above the limit the device cannot display the coupling.
-pub fn limit(damping: f64, period: f64) -> f64 {
-    damping / (0.5 * period + LINK_DELAY)
+/// Returns the stiffness limit, N/m or N m/rad, of a coupling computed every `period` seconds and displayed `delay`
+/// seconds later. `damping` is that of the device, N s/m or N m s/rad. At or above the limit the device cannot display
+/// the coupling.
+pub fn limit(damping: f64, period: f64, delay: f64) -> f64 {
+    damping / (0.5 * period + delay)
 }
 
 /// Coupling of a tool, in translation or rotation, that is too stiff for a haptic device.
@@ -100,7 +101,8 @@ impl fmt::Display for Short {
     }
 }
 
-/// Returns the couplings of a scene that are too stiff at the scene's rate, in the order of the tools.
+/// Returns the couplings of a scene that are too stiff at the scene's rate and [`LINK_DELAY`]. The order is that of the
+/// tools.
 pub fn too_stiff(scene: &Scene) -> Vec<TooStiff> {
     let tools = scene.tools.iter();
     tools.flat_map(|tool| of(tool, scene.tick_s())).collect()
@@ -114,7 +116,7 @@ fn of(tool: &Tool, period: f64) -> Vec<TooStiff> {
     ];
     let mut all = Vec::new();
     for (turns, found, damping) in couplings {
-        let limit = limit(damping, period);
+        let limit = limit(damping, period, LINK_DELAY);
         if found >= limit {
             all.push(TooStiff {
                 tool: tool.name.clone(),
@@ -146,7 +148,10 @@ mod tests {
 
     #[test]
     fn the_limit_follows_from_damping_period_and_delay() {
-        assert_eq!(limit(4.0, 1e-3), 4.0 / 7e-4);
+        assert_eq!(limit(4.0, 1e-3, LINK_DELAY), 4.0 / 7e-4);
+        // A networked loop of 3 ms needs 1.75 N s/m for 500 N/m.
+        assert_eq!(limit(1.75, 1e-3, 3e-3), 500.0);
+        assert_eq!(limit(4.0, 1e-3, 0.0), 8000.0);
         for (stiffness, rate_hz, is_too_stiff) in [
             (500.0, 250.0, false),
             (2_000.0, 1e3, false),

@@ -2,12 +2,14 @@
 //!
 //! A compiled scene is a byte string: built and hashed offline, validated once on load, part of every recording.
 
+pub mod coupling;
 pub mod displayable;
 mod former;
 pub mod params;
 pub mod skin;
 pub mod tool;
 
+pub use coupling::Coupling;
 pub use tool::{Band, DisplayMesh, Tool};
 
 use serde::{Deserialize, Serialize};
@@ -284,22 +286,7 @@ impl Scene {
         }
         for tool in &self.tools {
             let part = format!("tool `{}`", tool.name);
-            if !within(tool.stiffness_n_per_m, 1.0, 1e5) {
-                return field(
-                    &part,
-                    "stiffness_n_per_m",
-                    tool.stiffness_n_per_m.to_string(),
-                    "1 to 1e5 N/m",
-                );
-            }
-            if !within(tool.stiffness_nm_per_rad, 1e-4, 1e3) {
-                return field(
-                    &part,
-                    "stiffness_nm_per_rad",
-                    tool.stiffness_nm_per_rad.to_string(),
-                    "1e-4 to 1e3 N m/rad",
-                );
-            }
+            Coupling::of(tool).validate(&part)?;
             for (name, v) in [
                 ("working_point", tool.working_point),
                 ("tip", tool.tip),

@@ -8,7 +8,7 @@ use anyhow::Context;
 use clap::{Args, Subcommand};
 use sulcus_program::{PathText, say};
 use sulcus_scene::anatomy::mouth;
-use sulcus_scene::anatomy::patient::{Condition, LOWER, Patient, Sides, ToothChart, generate};
+use sulcus_scene::anatomy::patient::{Condition, Patient, as_text, generate};
 
 /// Make and check patient files: what a mouth's pockets are like, site by site.
 #[derive(Clone, Debug, Args)]
@@ -62,48 +62,15 @@ pub fn run(args: &PatientArgs) -> anyhow::Result<u8> {
                 .open(out)
                 .and_then(|mut file| file.write_all(patient.to_toml().as_bytes()));
             written.with_context(|| format!("{}: cannot write the patient", out.shown()))?;
-            say!("{}", chart(&patient).trim_end());
+            say!("{}", as_text(&patient).trim_end());
         }
         PatientAction::Check { file } => {
             let (patient, _) = Patient::read(file)?;
             mouth::check(&patient).with_context(|| file.shown().to_string())?;
-            say!("{}", chart(&patient).trim_end());
+            say!("{}", as_text(&patient).trim_end());
         }
     }
     Ok(0)
-}
-
-/// The chart as text, a line for each tooth. Sides read mesio-, mid-, disto-.
-fn chart(patient: &Patient) -> String {
-    let mut text = format!(
-        "{}\ntooth  depth, mm        margin below the CEJ, mm      bleeding     inflammation  furcation\n       buccal  lingual  buccal         lingual        bucc. ling.                buccal lingual\n",
-        patient.name
-    );
-    for fdi in LOWER {
-        text += &match patient.tooth(fdi) {
-            Some(tooth) => line(&tooth),
-            None => format!("{fdi}     missing\n"),
-        };
-    }
-    text
-}
-
-fn line(tooth: &ToothChart) -> String {
-    let numbers = |sides: &Sides<f64>, width: usize| {
-        [sides.buccal, sides.lingual].map(|side| {
-            let all = side.map(|mm| format!("{mm:>width$}"));
-            all.join(" ")
-        })
-    };
-    let [depth, depth_inside] = numbers(&tooth.depth_mm, 1);
-    let [margin, margin_inside] = numbers(&tooth.recession_mm, 4);
-    let [bleeds, bleeds_inside] = [tooth.bleeding.buccal, tooth.bleeding.lingual]
-        .map(|side| side.map(|bleeds| if bleeds { '*' } else { '.' }))
-        .map(|side| side.iter().collect::<String>());
-    format!(
-        "{}     {depth:7} {depth_inside:8} {margin:14} {margin_inside:14} {bleeds:5} {bleeds_inside:5} {:12}  {:6} {}\n",
-        tooth.fdi, tooth.inflammation, tooth.furcation.buccal, tooth.furcation.lingual
-    )
 }
 
 #[cfg(test)]
@@ -132,16 +99,5 @@ mod tests {
         let told = format!("{:#}", make(&file, 8).expect_err("it is there"));
         assert!(told.contains("patient.toml: cannot write"), "{told}");
         assert_eq!(Patient::read(&file).expect("untouched").0, made);
-    }
-
-    #[test]
-    fn the_chart_has_a_line_for_each_tooth() {
-        let mut patient = Patient::healthy("one");
-        patient.missing.push(46);
-        let text = chart(&patient);
-        assert_eq!(text.lines().count(), 3 + LOWER.len());
-        let healthy = "36     3 2 3   3 2 3    -2.5   -2 -2.5";
-        assert!(text.contains(healthy), "{text}");
-        assert!(text.contains("46     missing"), "{text}");
     }
 }

@@ -35,6 +35,9 @@ pub struct ReportArgs {
     /// File with the costs of the student's screen, written by the example `cost` of `sulcus-screen` with `--json`
     #[arg(long, value_name = "FILE")]
     screen: Option<PathBuf>,
+    /// File with sessions through named networks, written by the example `networks` of `sulcus-client` with `--json`
+    #[arg(long, value_name = "FILE")]
+    networks: Option<PathBuf>,
     /// Document for the measured tables: replaces all lines between `<!-- begin: measured -->` and `<!-- end: measured -->`
     ///
     /// The tables have machine, commit, date, and the command that measures each again. A full report has all of
@@ -64,6 +67,7 @@ pub(crate) fn run(args: &ReportArgs) -> anyhow::Result<u8> {
         paper: args.paper.is_some(),
         peers: args.peers.as_deref().map(read_peers).transpose()?,
         screen: args.screen.as_deref().map(read_screen).transpose()?,
+        networks: args.networks.as_deref().map(read_networks).transpose()?,
     };
     let found = measure(options, &|what, share| progress.report(what, share))?;
     let json = serde_json::to_string(&found).context("the numbers cannot be written")?;
@@ -92,6 +96,9 @@ pub(crate) fn run(args: &ReportArgs) -> anyhow::Result<u8> {
 fn one_part(part: Part, args: &ReportArgs, progress: &ProgressLines) -> anyhow::Result<u8> {
     if args.screen.is_some() {
         bail!("--screen is given, expected not with a part of the paper: it goes onto the page");
+    }
+    if args.networks.is_some() {
+        bail!("--networks is given, expected not with a part of the paper: it goes onto the page");
     }
     if args.peers.is_some() {
         bail!("--peers is given, expected not with a part of the paper: it goes onto the page");
@@ -126,6 +133,13 @@ fn read_peers(path: &Path) -> anyhow::Result<serde_json::Value> {
 fn read_screen(path: &Path) -> anyhow::Result<serde_json::Value> {
     let writer = "cargo run --release -p sulcus-screen --example cost";
     read_lists(path, "--screen", &["rows", "levels", "bounds"], writer)
+}
+
+/// Reads what the example of the networks wrote: its rows.
+fn read_networks(path: &Path) -> anyhow::Result<serde_json::Value> {
+    let writer = "cargo run --release -p sulcus-client --example networks";
+    let mut file = read_lists(path, "--networks", &["networks"], writer)?;
+    Ok(file["networks"].take())
 }
 
 /// Reads the file of an option. `fields` are lists that the file must have, `writer` is the command that writes it.
@@ -169,6 +183,8 @@ mod tests {
         assert!(read_peers(&path).is_ok());
         let other = format!("{:#}", read_screen(&path).expect_err("refused"));
         assert!(other.contains("`levels`"), "{other}");
+        let other = format!("{:#}", read_networks(&path).expect_err("refused"));
+        assert!(other.contains("`networks`"), "{other}");
         let missing = read_peers(&folder.path().join("no.json")).expect_err("refused");
         assert!(format!("{missing:#}").contains("no.json"));
     }

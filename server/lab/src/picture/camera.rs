@@ -38,24 +38,40 @@ pub(crate) const SIDES: [Side; 3] = [
     },
 ];
 
+/// Left teeth from the tongue.
+pub(crate) const LEFT_LINGUAL: Side = Side {
+    name: "left-lingual",
+    caption: "the left teeth from the tongue, from above the right shoulder",
+    towards: [0.25, -0.72, 0.648],
+    up: [-0.2128, 0.6127, 0.7611],
+};
+
+/// Left teeth from the cheek.
+pub(crate) const LEFT_BUCCAL: Side = Side {
+    name: "left-buccal",
+    caption: "the left teeth from the cheek, from above",
+    towards: [0.45, 0.65, 0.6124],
+    up: [-0.3486, -0.5035, 0.7906],
+};
+
+/// Right teeth from the tongue.
+pub(crate) const RIGHT_LINGUAL: Side = Side {
+    name: "right-lingual",
+    caption: "the right teeth from the tongue, from above the left shoulder",
+    towards: [0.25, 0.72, 0.648],
+    up: [-0.2128, -0.6127, 0.7611],
+};
+
+/// Right teeth from the cheek.
+pub(crate) const RIGHT_BUCCAL: Side = Side {
+    name: "right-buccal",
+    caption: "the right teeth from the cheek, from above",
+    towards: [0.45, -0.65, 0.6124],
+    up: [-0.3486, 0.5035, 0.7906],
+};
+
 /// Sides from which a mouth is looked at.
-pub(crate) const MOUTH: [Side; 5] = [
-    SIDES[0],
-    SIDES[1],
-    SIDES[2],
-    Side {
-        name: "left-lingual",
-        caption: "the left teeth from the tongue, from above the right shoulder",
-        towards: [0.25, -0.72, 0.648],
-        up: [-0.2128, 0.6127, 0.7611],
-    },
-    Side {
-        name: "left-buccal",
-        caption: "the left teeth from the cheek, from above",
-        towards: [0.45, 0.65, 0.6124],
-        up: [-0.3486, -0.5035, 0.7906],
-    },
-];
+pub(crate) const MOUTH: [Side; 5] = [SIDES[0], SIDES[1], SIDES[2], LEFT_LINGUAL, LEFT_BUCCAL];
 
 /// An orthographic camera and its picture's size.
 #[derive(Clone, Debug)]

@@ -3,6 +3,7 @@
 //! Errors and forces are measured in runs of their own, ticks timed in others, on inputs recorded before: the measuring costs more
 //! than what it measures. Every time is CPU time of the thread; wall time stands beside it where a deadline is meant.
 
+mod devices;
 mod growth;
 mod loops;
 mod machine;
@@ -23,6 +24,7 @@ use std::time::Instant;
 use serde::Serialize;
 use sulcus_cases::one_dof;
 
+pub(crate) use devices::{DeviceLoop, sentences};
 pub(crate) use growth::{Asked, Growth, Line};
 pub(crate) use loops::{FELT_MJ, Hour, Loop, Loops};
 pub(crate) use machine::Machine;
@@ -54,12 +56,16 @@ pub(crate) struct Report {
     pub(crate) growth: Growth,
     pub(crate) random_poses: Vec<Rough>,
     pub(crate) passivity: Loops,
+    /// Closed loop of real devices: chosen coupling, buzz, onset of a buzz.
+    pub(crate) devices: Vec<DeviceLoop>,
     pub(crate) one_dof: Vec<OneDof>,
     pub(crate) finite_elements: Vec<AgainstFem>,
     /// What the bench against other engines wrote.
     pub(crate) peers: Option<serde_json::Value>,
     /// Costs of the student's screen, from a file.
     pub(crate) screen: Option<serde_json::Value>,
+    /// Sessions through named networks, from a file: a row for each network and each end that ticks.
+    pub(crate) networks: Option<serde_json::Value>,
     /// Everything that the paper prints beside what is measured here.
     pub(crate) paper: Option<Beside>,
     pub(crate) took_s: f64,
@@ -87,17 +93,19 @@ pub(crate) struct Options {
     pub(crate) paper: bool,
     pub(crate) peers: Option<serde_json::Value>,
     pub(crate) screen: Option<serde_json::Value>,
+    pub(crate) networks: Option<serde_json::Value>,
 }
 
 /// Parts of the work and their shares of the time, for the progress.
-const PARTS: [(&str, f64); 10] = [
+const PARTS: [(&str, f64); 11] = [
     ("the whole mouth", 0.08),
     ("level, tissue, solver, method", 0.15),
     ("rates", 0.16),
     ("how times grow", 0.07),
-    ("hard cases", 0.31),
+    ("hard cases", 0.28),
     ("random poses", 0.02),
-    ("passivity", 0.10),
+    ("passivity", 0.09),
+    ("real devices", 0.04),
     ("one degree of freedom", 0.01),
     ("finite elements", 0.05),
     ("the paper", 0.05),
@@ -142,15 +150,17 @@ pub(crate) fn measure(options: Options, progress: &dyn Fn(&str, f64)) -> anyhow:
     ended(5);
     let passivity = loops::measure(quick, &part(6));
     ended(6);
-    part(7)("", 0.0);
-    let one_dof = one_dof::Table::run().0.iter().map(one_dof_row).collect();
+    let devices = devices::measure(quick, &|share| part(7)("", share));
     ended(7);
-    let elements = against_fem(quick, &part(8))?;
+    part(8)("", 0.0);
+    let one_dof = one_dof::Table::run().0.iter().map(one_dof_row).collect();
     ended(8);
+    let elements = against_fem(quick, &part(9))?;
+    ended(9);
     let paper = options
         .paper
-        .then(|| Beside::of(paper::paper_beside(quick, &elements, &part(9)), quick));
-    ended(9);
+        .then(|| Beside::of(paper::paper_beside(quick, &elements, &part(10)), quick));
+    ended(10);
     Ok(Report {
         program: concat!("sulcus-server ", env!("CARGO_PKG_VERSION")),
         quick,
@@ -162,10 +172,12 @@ pub(crate) fn measure(options: Options, progress: &dyn Fn(&str, f64)) -> anyhow:
         growth,
         random_poses,
         passivity,
+        devices,
         one_dof,
         finite_elements: elements,
         peers: options.peers,
         screen: options.screen,
+        networks: options.networks,
         paper,
         took_s: begun.elapsed().as_secs_f64(),
         parts_s,

@@ -205,7 +205,10 @@ fn a_display_that_never_reads_holds_a_bounded_number_of_frames() {
 #[test]
 fn a_slow_display_gets_the_newest_frame_and_no_backlog() {
     run(async {
-        let (server, client, _ends) = connected(of_display()).await;
+        // A frame is longer than the window of its stream, so that no frame fits before the display reads.
+        let mut narrow = of_display();
+        narrow.stream_receive_window(8u32.into());
+        let (server, client, _ends) = connected(narrow).await;
         let (mut publisher, feed) = FeedPublisher::new();
         let display = display(10);
         publisher.begin(display.clone());

@@ -4,13 +4,16 @@
 mod counting;
 
 use counting::calls;
-use rtrb::RingBuffer;
+use rtrb::{Consumer, Producer, RingBuffer};
 use sulcus_core::tissue::TissueModel;
 use sulcus_core::{DisplayMesh, Object, Params, Pose, Quat, Sphere, SphereTree, Tool, Vec3};
 use sulcus_proto::PoseDatagram;
+use sulcus_sessions::exercise::events::Look;
+use sulcus_sessions::{Sampler, Shapes};
 use triple_buffer::triple_buffer;
 
 use super::*;
+use crate::outlets::recording::Entry;
 
 #[test]
 fn status_bits_are_the_same_in_core_and_on_the_wire() {
@@ -38,7 +41,7 @@ fn status_bits_are_the_same_in_core_and_on_the_wire() {
 }
 
 /// A ball over another.
-fn scene() -> Scene {
+pub(crate) fn scene() -> Scene {
     let ball = SphereTree::over_leaves(&[Sphere {
         centre: Vec3::zeros(),
         radius: 1e-3,
@@ -106,19 +109,21 @@ fn bench(rows: usize) -> Bench {
         bell: Bell::new().expect("eventfd"),
         flags: Arc::default(),
         progress: Arc::default(),
+        detail: Detail::default(),
+        real_time: false,
+        places: Arc::new(Places::of(1)),
+        core: None,
+    };
+    let rings = Rings {
         entries: entries_in,
         buffers: buffers_out,
         look,
         looks: looks_out,
         sampler,
         shapes: shapes_out,
-        detail: Detail::default(),
-        real_time: false,
-        places: Arc::new(Places::of(1)),
-        core: None,
     };
-    let mut ticker = Ticker::new(simulation, Metrics::new());
-    ticker.grid.begin(monotonic_ns(), unix_ns(), false);
+    let mut ticker = Ticker::new(simulation, rings, Metrics::new());
+    ticker.grid.begin(monotonic_ns(), unix_ns(), false, 0);
     Bench {
         ticker,
         poses,
@@ -141,7 +146,7 @@ fn pose(height: f32) -> Option<PoseIn> {
 #[test]
 fn a_step_allocates_nothing() {
     let mut bench = bench(1024);
-    bench.ticker.next_snapshot = 100;
+    bench.ticker.queue.next_snapshot = 100;
     let before = calls();
     for k in 0..300 {
         bench.poses.write(pose(0.006 - 2e-5 * k as f32));
@@ -159,7 +164,7 @@ fn a_step_allocates_nothing() {
 #[test]
 fn rows_follow_the_grid_and_a_snapshot_follows_its_row() {
     let mut bench = bench(1024);
-    bench.ticker.next_snapshot = 3;
+    bench.ticker.queue.next_snapshot = 3;
     for k in 0..10 {
         if k == 5 {
             // A delay, in which grid points pass.
@@ -209,14 +214,14 @@ fn rows_follow_the_grid_and_a_snapshot_follows_its_row() {
 fn a_recorder_that_stalls_costs_rows_and_says_so() {
     let mut bench = bench(4);
     // On a busy machine one of ten ticks may read shapes, which would take a slot.
-    bench.ticker.link.look = Look::default();
-    bench.ticker.link.shapes = RingBuffer::new(1).1;
+    bench.ticker.queue.rings.look = Look::default();
+    bench.ticker.queue.rings.shapes = RingBuffer::new(1).1;
     // No snapshot may come before the ring is full, at any position of the clock's grid.
-    bench.ticker.next_snapshot = u64::MAX;
+    bench.ticker.queue.next_snapshot = u64::MAX;
     for _ in 0..4 {
         bench.ticker.step();
     }
-    bench.ticker.next_snapshot = 0;
+    bench.ticker.queue.next_snapshot = 0;
     for _ in 0..6 {
         bench.ticker.step();
     }

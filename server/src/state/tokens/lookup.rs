@@ -162,6 +162,20 @@ impl Tokens {
         })
     }
 
+    /// Rights of the stored token with this id, for a person whose password was right.
+    ///
+    /// # Errors
+    /// The token is unknown, revoked or expired, or the file cannot be read.
+    pub fn holder(&self, id: &str, now_s: u64) -> Result<Grant, Denied> {
+        self.with_known(|known| {
+            if known.is_faulty {
+                return Err(Denied::Unreadable);
+            }
+            let found = known.tokens.iter().find(|token| token.id == id);
+            judge(found.ok_or(Denied::Unknown)?, now_s)
+        })
+    }
+
     /// Number of tokens that are valid at a time in seconds since 1970, those of the command line included.
     pub fn valid(&self, now_s: u64) -> usize {
         let stored = self.with_known(|known| {

@@ -10,6 +10,7 @@ use super::session::One;
 use crate::cli::print::object;
 use crate::grade::revision::Proposal;
 use crate::grade::run::MEASURES_SOURCE;
+use crate::grade::stats::rounded;
 use crate::record::mode::Mode;
 
 /// Text for a terminal.
@@ -77,6 +78,8 @@ pub(super) fn json(path: &Path, one: &One) -> Value {
         json!({ "version": env!("CARGO_PKG_VERSION"), "measures": MEASURES_SOURCE }),
     );
     json.insert("file".into(), json!(file_name(path)));
+    json.insert("seconds".into(), json!(rounded(one.graded.seconds, 3)));
+    json.insert("moments".into(), json!(one.moments));
     json.insert("mode".into(), json!(one.shown.mode));
     json.insert("recorded_mode".into(), json!(one.shown.recorded));
     json.insert("self_score".into(), json!(one.self_score));

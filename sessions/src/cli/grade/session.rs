@@ -13,8 +13,9 @@ use crate::cli::inputs::open;
 use crate::cli::print::at;
 use crate::grade::class::Shown;
 use crate::grade::report::Source;
-use crate::grade::revision::{Revision, RevisionError, Sidecar};
+use crate::grade::revision::{Proposal, Revision, RevisionError, Sidecar};
 use crate::grade::{Graded, Options, Rubric, grade_session};
+use crate::pages::moments::{Moment, moments};
 use crate::record::key::PublicKey;
 use crate::record::mode::Mode;
 use crate::record::read::Recording;
@@ -27,6 +28,8 @@ pub(super) struct One {
     pub sidecar: Option<Sidecar>,
     pub self_score: Option<f64>,
     pub shown: Shown,
+    /// Moments that explain the grade.
+    pub moments: Vec<Moment>,
     /// Reason why a score of a person could not be kept.
     pub unkept: Option<anyhow::Error>,
 }
@@ -174,12 +177,15 @@ pub(super) fn one(session: &SessionFiles, args: &GradeArgs, asked: &Asked) -> an
             path.shown()
         );
     }
+    let moments = moments(&recording, &graded, shown.mode == Mode::Exam);
+    let moments = moments.map_err(|error| at(path, &error))?;
     let mut one = One {
         path: path.to_owned(),
         graded,
         sidecar: None,
         self_score: given,
         shown,
+        moments,
         unkept: None,
     };
     // The grade is shown even if a score cannot be kept.
@@ -195,7 +201,7 @@ pub(super) fn one(session: &SessionFiles, args: &GradeArgs, asked: &Asked) -> an
     });
     let sidecar = Sidecar::read(path).map_err(|error| at(path, &error))?;
     if let Some(sidecar) = &sidecar {
-        let belongs = sidecar.belongs_to(&one.graded.grade);
+        let belongs = sidecar.belongs_to(&Proposal::of(&one.graded.grade));
         belongs.map_err(|error| at(path, &error))?;
     }
     one.sidecar = sidecar;
@@ -217,10 +223,10 @@ impl One {
         let grade = &self.graded.grade;
         // A session without a grade gets no own score.
         if let Some(own) = self.self_score.filter(|_| grade.score.is_some()) {
-            Sidecar::assess(path, grade, own)?;
+            Sidecar::assess(path, &Proposal::of(grade), own)?;
         }
         if let Some(revision) = revision {
-            Sidecar::add(path, grade, revision)?;
+            Sidecar::add(path, &Proposal::of(grade), revision)?;
         }
         Ok(())
     }

@@ -1,6 +1,8 @@
 //! Kinds of events.
 
+use crate::record::at_hand::OF_HAND;
 use crate::record::attach::ATTACHMENTS;
+use crate::record::device::DEVICES_CHANGED;
 use crate::record::occurrence::FORCE_ZONE;
 
 pub use crate::record::levels::{FORCE_LIMIT, LEVELS, PAUSED, RESUMED};
@@ -35,6 +37,17 @@ pub const KINDS: [&str; 9] = [
     TARGET_HIDDEN,
 ];
 
+/// Kinds of the events of an instructor.
+pub const OF_INSTRUCTORS: [&str; 7] = [
+    "instructed",
+    "note",
+    "flag",
+    "message",
+    "ended",
+    "ghost_shown",
+    "ghost_hidden",
+];
+
 /// Kind: a client sent more events than were recorded.
 pub const LOST: &str = "client_events_lost";
 
@@ -46,6 +59,9 @@ pub fn may_a_client_say(kind: &str) -> bool {
         && kind.bytes().all(word)
         && !KINDS.contains(&kind)
         && !LEVELS.contains(&kind)
+        && !OF_INSTRUCTORS.contains(&kind)
         && !ATTACHMENTS.contains(&kind)
+        && !OF_HAND.contains(&kind)
         && kind != LOST
+        && kind != DEVICES_CHANGED
 }

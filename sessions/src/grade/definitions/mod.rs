@@ -6,6 +6,7 @@
 mod crown;
 mod depths;
 mod earlier;
+mod feels;
 mod findings;
 mod forces;
 mod hands;
@@ -17,6 +18,7 @@ mod tests;
 
 use super::measured::Measured;
 
+pub use feels::Feels;
 pub use needs::Needs;
 
 /// Function of a metric: its value in a session, in the metric's unit. None without anything to measure.

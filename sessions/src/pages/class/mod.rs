@@ -102,6 +102,7 @@ impl<'a> Learner<'a> {
             passed: match last.counts().1 {
                 Some(true) => "yes",
                 Some(false) => "no",
+                None if last.grade.score.is_some() => "not decided",
                 None => "no grade",
             },
             weakest: weakest.map_or("", |advice| advice.title),

@@ -80,6 +80,7 @@ pub fn grade(text: &str, kind: Kind, attempt: usize) -> Grade {
         missing: vec![text.into()],
         ended_early: (attempt == 1).then_some("the connection was lost"),
         gaps: None,
+        unfelt: Vec::new(),
         felt: None,
         parts: Vec::new(),
     }
@@ -95,6 +96,7 @@ fn metrics(text: &str) -> Vec<MetricGrade> {
         zero: Bound::One(-3.5),
         weight,
         score,
+        not_judged: None,
         pass: None,
         deducted: 1.5,
         definition: "share of <all> zones & \"more\"",

@@ -32,8 +32,8 @@ pub struct Head<'a> {
     pub reservations: Vec<(&'static str, String)>,
     /// Proposed score; none without a grade.
     pub score: Option<f64>,
-    /// Whether the proposal is a pass.
-    pub passed: bool,
+    /// Verdict of the proposal in words.
+    pub verdict: &'static str,
     /// Score from which the session is passed.
     pub pass_mark: f64,
 }
@@ -59,7 +59,7 @@ impl<'a> Head<'a> {
             migrated: grade.migrated.as_ref().map(ToString::to_string),
             reservations: grade.reservations(),
             score: grade.score,
-            passed: grade.passed == Some(true),
+            verdict: grade.verdict().unwrap_or_default(),
             pass_mark: grade.pass_mark.unwrap_or_default(),
         }
     }

@@ -34,10 +34,11 @@ impl<'a> Metrics<'a> {
     /// Metrics of a grade.
     pub fn of(grade: &'a Grade) -> Self {
         let mut rows = Vec::new();
-        let (mut reported, mut not) = (Vec::new(), Vec::new());
+        let (mut reported, mut not, mut open) = (Vec::new(), Vec::new(), Vec::new());
         for metric in &grade.metrics {
             let value = text::value(metric);
             match metric.score {
+                _ if metric.not_judged.is_some() => open.push(metric.title.to_owned()),
                 _ if metric.weight == 0.0 => reported.push(format!("{} {value}", metric.title)),
                 None => not.push(metric.title.to_owned()),
                 Some(score) => rows.push(Row {
@@ -49,7 +50,11 @@ impl<'a> Metrics<'a> {
                 }),
             }
         }
-        let rest = [("Reported only", reported), ("Nothing to measure", not)];
+        let rest = [
+            ("Reported only", reported),
+            ("Nothing to measure", not),
+            ("Not judged, because the hand did not feel the force", open),
+        ];
         let rest = rest.into_iter().filter(|(_, all)| !all.is_empty());
         Self {
             rows,

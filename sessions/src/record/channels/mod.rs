@@ -14,7 +14,11 @@
 //! | `/session/metrics` | `sulcus.v1.SessionMetrics` | [`FRAMES_HZ`] |
 //! | `/log` | `foxglove.Log` | every line of `/events` |
 //!
-//! A tool that no hand holds has no messages.
+//! A tool that no hand holds has no messages. The sequence number of a message is the number of rows before it.
+//!
+//! # Policy
+//! With the policy `on-demand` ([`crate::ViewersPolicy`]) a recording has `/session/metrics` alone. A replay makes the
+//! other channels byte for byte ([`crate::replay::viewers`]).
 //!
 //! # Rates
 //! A screen shows 60 frames a second, and the tremor of a hand ends below 20 Hz, so poses at 62.5 Hz lose nothing

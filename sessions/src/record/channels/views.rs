@@ -13,7 +13,7 @@ use super::own_types::v1::{Contacts, SessionMetrics};
 use super::shapes::{Sampler, Shapes};
 use super::tool;
 use super::topics::{SESSION_METRICS, TRANSFORMS, WORLD};
-use crate::record::recorder::{RecordError, Recorder};
+use crate::record::recorder::{RecordError, Recorder, Tape};
 use crate::record::row::Row;
 use crate::record::schema::view;
 
@@ -29,7 +29,8 @@ pub struct Views {
     session: u16,
     /// Skipped ticks since the last message.
     skipped: u32,
-    longest_tick_ns: u32,
+    /// Longest tick since the last message, microseconds.
+    longest_tick_us: f32,
 }
 
 struct ToolView {
@@ -59,6 +60,15 @@ impl Views {
         recorder: &mut Recorder,
         began_unix_ns: u64,
     ) -> Result<Self, RecordError> {
+        Self::open_on(scene, recorder.tape(), began_unix_ns)
+    }
+
+    /// Declares the channels on a file, as by [`Views::open`].
+    pub(crate) fn open_on(
+        scene: &Scene,
+        tape: &mut Tape,
+        began_unix_ns: u64,
+    ) -> Result<Self, RecordError> {
         let pose = schema_of::<PoseInFrame>("foxglove.PoseInFrame");
         let points = schema_of::<PointCloud>("foxglove.PointCloud");
         let mut tools = Vec::new();
@@ -67,16 +77,16 @@ impl Views {
             let topic = |what: &str| format!("/tools/{name}/{what}");
             let frames = ["haptic", "graphic"].map(|what| format!("tools/{name}/{what}"));
             let channels = [
-                recorder.add_view(&topic("haptic"), &pose)?,
-                recorder.add_view(&topic("graphic"), &pose)?,
-                recorder.add_view(&topic("wrench"), &view::WRENCH)?,
-                recorder.add_view(&topic("contacts"), &view::CONTACTS)?,
-                recorder.add_view(&topic("metrics"), &view::TOOL_METRICS)?,
+                tape.add_view(&topic("haptic"), &pose)?,
+                tape.add_view(&topic("graphic"), &pose)?,
+                tape.add_view(&topic("wrench"), &view::WRENCH)?,
+                tape.add_view(&topic("contacts"), &view::CONTACTS)?,
+                tape.add_view(&topic("metrics"), &view::TOOL_METRICS)?,
             ];
-            let spheres = recorder.add_view(&topic("spheres"), &points)?;
+            let spheres = tape.add_view(&topic("spheres"), &points)?;
             let level = shown_level(&held.tree, held.level);
             let cloud = at_rest(began_unix_ns, &frames[1], &held.tree, level);
-            recorder.view(spheres, began_unix_ns, &cloud)?;
+            tape.view(spheres, began_unix_ns, &cloud)?;
             tools.push(ToolView {
                 frames,
                 channels,
@@ -88,10 +98,10 @@ impl Views {
         let mut objects = Vec::new();
         let names = paths(scene.objects.iter().map(|object| object.name.as_str()));
         for (k, (object, name)) in scene.objects.iter().zip(&names).enumerate() {
-            let channel = recorder.add_view(&format!("/objects/{name}/spheres"), &points)?;
+            let channel = tape.add_view(&format!("/objects/{name}/spheres"), &points)?;
             let level = shown_level(&object.tree, object.level);
             let cloud = at_rest(began_unix_ns, WORLD, &object.tree, level);
-            recorder.view(channel, began_unix_ns, &cloud)?;
+            tape.view(channel, began_unix_ns, &cloud)?;
             objects.push(ObjectView {
                 cloud: moved.of(k).map(|_| Cloud::default()),
                 channel,
@@ -105,10 +115,10 @@ impl Views {
             wrenches: Cadence::new(WRENCHES_HZ, scene.tick_s()),
             tools,
             objects,
-            transforms: recorder.add_view(TRANSFORMS, &frames)?,
-            session: recorder.add_view(SESSION_METRICS, &view::SESSION_METRICS)?,
+            transforms: tape.add_view(TRANSFORMS, &frames)?,
+            session: tape.add_view(SESSION_METRICS, &view::SESSION_METRICS)?,
             skipped: 0,
-            longest_tick_ns: 0,
+            longest_tick_us: 0.0,
         })
     }
 
@@ -142,9 +152,25 @@ impl Views {
         tick_ns: u32,
         shapes: Option<&Shapes>,
     ) -> Result<(), RecordError> {
+        let tick_us = tick_ns as f32 * 1e-3;
+        self.tick_on(recorder.tape(), scene, row, output, tick_us, shapes)?;
+        Ok(())
+    }
+
+    /// Writes the due messages on a file, as by [`Views::tick`]; the metrics of the session, if they were due.
+    /// `tick_us` is the CPU time of the tick, microseconds.
+    pub(crate) fn tick_on(
+        &mut self,
+        tape: &mut Tape,
+        scene: &Scene,
+        row: &Row,
+        output: &TickOutput,
+        tick_us: f32,
+        shapes: Option<&Shapes>,
+    ) -> Result<Option<SessionMetrics>, RecordError> {
         let now = row.time_unix_ns;
         self.skipped = self.skipped.saturating_add(u32::from(row.input.skipped));
-        self.longest_tick_ns = self.longest_tick_ns.max(tick_ns);
+        self.longest_tick_us = self.longest_tick_us.max(tick_us);
         for (view, out) in self.tools.iter_mut().zip(&output.tools) {
             let force = norm(&out.wrench.force);
             if force > view.peak_force {
@@ -156,32 +182,34 @@ impl Views {
                 let peak = std::mem::take(&mut view.peak_force);
                 if tool::is_held(out) {
                     let wrench = tool::wrench(output.tick, out, peak);
-                    recorder.view(view.channels[2], now, &wrench)?;
+                    tape.view(view.channels[2], now, &wrench)?;
                 }
             }
         }
+        let mut said = None;
         if self.frames.is_due(output.tick) {
-            self.poses(recorder, scene, now, output)?;
+            self.poses(tape, scene, now, output)?;
             let metrics = SessionMetrics {
                 tick: output.tick,
                 skipped: std::mem::take(&mut self.skipped),
-                longest_tick_us: std::mem::take(&mut self.longest_tick_ns) as f32 * 1e-3,
+                longest_tick_us: std::mem::take(&mut self.longest_tick_us),
                 detail: u32::from(row.input.detail),
                 paused: row.input.paused,
                 force_limit_n: row.input.force_limit_n,
                 awake: shapes.map(|shapes| shapes.awake.len() as u32),
             };
-            recorder.view(self.session, now, &metrics)?;
+            tape.view(self.session, now, &metrics)?;
+            said = Some(metrics);
         }
         if let Some(shapes) = shapes.filter(|shapes| shapes.tick == output.tick) {
-            self.shapes(recorder, scene, now, output, shapes)?;
+            self.shapes(tape, scene, now, output, shapes)?;
         }
-        Ok(())
+        Ok(said)
     }
 
     fn poses(
         &mut self,
-        recorder: &mut Recorder,
+        tape: &mut Tape,
         scene: &Scene,
         now: u64,
         output: &TickOutput,
@@ -196,20 +224,20 @@ impl Views {
                 (haptic, &view.frames[0], &out.haptic),
                 (graphic, &view.frames[1], &out.graphic),
             ] {
-                recorder.view(channel, now, &pose_in_world(now, pose))?;
+                tape.view(channel, now, &pose_in_world(now, pose))?;
                 transforms.push(transform(now, frame, pose));
             }
-            recorder.view(metrics, now, &tool::metrics(scene, output.tick, out))?;
+            tape.view(metrics, now, &tool::metrics(scene, output.tick, out))?;
         }
         if transforms.is_empty() {
             return Ok(());
         }
-        recorder.view(self.transforms, now, &FrameTransforms { transforms })
+        tape.view(self.transforms, now, &FrameTransforms { transforms })
     }
 
     fn shapes(
         &mut self,
-        recorder: &mut Recorder,
+        tape: &mut Tape,
         scene: &Scene,
         now: u64,
         output: &TickOutput,
@@ -219,7 +247,7 @@ impl Views {
             let touches = shapes.bearing[t] > 0;
             if touches || view.touched {
                 let contacts: Contacts = tool::contacts(scene, t, out, shapes);
-                recorder.view(view.channels[3], now, &contacts)?;
+                tape.view(view.channels[3], now, &contacts)?;
             }
             view.touched = touches;
         }
@@ -229,7 +257,7 @@ impl Views {
                 continue;
             };
             if let Some(points) = cloud.after(now, tissue) {
-                recorder.view(object.channel, now, &points)?;
+                tape.view(object.channel, now, &points)?;
             }
         }
         Ok(())

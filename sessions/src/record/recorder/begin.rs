@@ -16,6 +16,14 @@ use crate::record::header::SessionHeader;
 use crate::record::message::Topic;
 use crate::record::storage::{Sink, Storage};
 
+/// Header of a file.
+pub(crate) struct Head<'a> {
+    /// Constant data of the session.
+    pub header: &'a SessionHeader,
+    /// Pairs of the metadata record.
+    pub metadata: BTreeMap<String, String>,
+}
+
 /// A file whose header is written.
 pub(super) struct Begun {
     pub writer: Mcap,
@@ -30,9 +38,10 @@ pub(super) struct Begun {
 /// Writes header, attachments, metadata and channels, and flushes them.
 pub(super) fn begin(
     storage: Box<dyn Storage>,
-    header: &SessionHeader,
-    metadata: BTreeMap<String, String>,
+    head: &Head,
+    mut views: Views,
 ) -> mcap::McapResult<Begun> {
+    let header = head.header;
     let mut writer = WriteOptions::new()
         .library(format!("sulcus {}", header.program_version))
         // Measured on the exact rows of two hands: zstd leaves 81 % of the size that lz4 leaves, for a few microseconds
@@ -60,7 +69,7 @@ pub(super) fn begin(
     }
     writer.write_metadata(&mcap::records::Metadata {
         name: header::METADATA.to_owned(),
-        metadata,
+        metadata: head.metadata.clone(),
     })?;
     let mut ids = [0; Topic::ALL.len()];
     for topic in Topic::ALL {
@@ -68,7 +77,6 @@ pub(super) fn begin(
         let (_, id) = declare(&mut writer, topic.name(), encoding, &topic.schema())?;
         ids[topic as usize] = id;
     }
-    let mut views = Views::default();
     let schema = schema_of::<Log>("foxglove.Log");
     let log = views.declare(&mut writer, topics::LOG, &schema)?;
     writer.flush()?;

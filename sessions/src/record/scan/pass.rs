@@ -13,6 +13,7 @@ use crate::record::header::METADATA;
 use crate::record::message::Topic;
 use crate::record::note;
 use crate::record::note::Note;
+use crate::record::policy::ViewersPolicy;
 use crate::record::read::Ending;
 use crate::record::unpack::{declare, unpack};
 use crate::record::walk;
@@ -43,13 +44,13 @@ pub(super) struct Pass<'a> {
 }
 
 impl<'a> Pass<'a> {
-    pub fn new(head: &'a Head, depth: Depth) -> Self {
+    pub fn new(head: &'a Head, depth: Depth, policy: ViewersPolicy) -> Self {
         let first_gap = head.gaps().first().map(|gap| gap.messages);
         Self {
             head,
             depth,
             first_gap,
-            state: State::default(),
+            state: State::by(policy),
             pieces: Vec::new(),
             declared: Vec::new(),
             learned: false,

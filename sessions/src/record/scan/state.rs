@@ -1,11 +1,13 @@
 //! Facts known after a number of pieces of the file, and the gaps between them.
 
+use crate::record::at_hand::divergence;
 use crate::record::gap;
 use crate::record::gap::Gap;
 use crate::record::message::{MAX_TICK, Message};
+use crate::record::policy::ViewersPolicy;
 use crate::record::read::Facts;
 use crate::record::unpack::Topics;
-use crate::record::viewers::{Sum, Summing};
+use crate::record::viewers::{Said, Summing};
 
 /// Extent to which a file is read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -33,6 +35,14 @@ pub(super) struct State {
 }
 
 impl State {
+    /// No facts, for a recording of this policy.
+    pub fn by(policy: ViewersPolicy) -> Self {
+        Self {
+            viewed: Summing::by(policy),
+            ..Self::default()
+        }
+    }
+
     /// Accepts a message. `first_gap` is the number of messages before the first gap that a recovery noted.
     ///
     /// # Errors
@@ -85,9 +95,13 @@ impl State {
                 facts.signatures += 1;
                 facts.end = signed.statement.end;
             }
-            Message::Event(event) => match Sum::parse(&event.text) {
-                Some(sum) => facts.viewers = Some(sum),
-                None => facts.events += 1,
+            Message::Event(event) => match Said::parse(&event.text) {
+                Some(said) => facts.viewers = Some(said),
+                None => {
+                    facts.events += 1;
+                    let found = divergence(&event.text);
+                    facts.diverged = facts.diverged.take().or(found);
+                }
             },
         }
         Ok(())

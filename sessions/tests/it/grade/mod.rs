@@ -6,3 +6,4 @@ mod modes;
 mod place;
 mod program;
 mod recordings;
+mod unfelt;

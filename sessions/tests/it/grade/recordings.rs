@@ -1,7 +1,7 @@
 //! What gets a grade and what gets none: recordings forged, cut off and incomplete; rubrics; what an instructor says.
 
 use sulcus_sessions::grade::report::Source;
-use sulcus_sessions::grade::revision::{Revision, Sidecar, beside};
+use sulcus_sessions::grade::revision::{Proposal, Revision, Sidecar, beside};
 use sulcus_sessions::grade::{Grade, Options};
 use sulcus_sessions::{Exercise, Row, Rubric, StationKey};
 
@@ -116,8 +116,11 @@ fn an_instructors_word_is_added_and_the_proposal_stays() {
         reason: reason.into(),
     };
     assert_eq!(Sidecar::read(&path).unwrap(), None);
-    let first = Sidecar::add(&path, &grade, said(80.0, "device slipped")).unwrap();
-    let second = Sidecar::add(&path, &grade, said(75.0, "seen again")).unwrap();
+    // The printed grade has the same proposal.
+    let printed = Proposal::of_json(&grade.to_json());
+    assert_eq!(printed, Some(Proposal::of(&grade)));
+    let first = Sidecar::add(&path, &Proposal::of(&grade), said(80.0, "device slipped")).unwrap();
+    let second = Sidecar::add(&path, &Proposal::of(&grade), said(75.0, "seen again")).unwrap();
     assert_eq!(first.proposal, second.proposal);
     assert_eq!(second.proposal.score, grade.score);
     assert_eq!(second.revisions[..1], first.revisions);
@@ -127,7 +130,7 @@ fn an_instructors_word_is_added_and_the_proposal_stays() {
         (said(101.0, "x"), "score is 101, expected 0 to 100"),
         (said(50.0, " "), "reason is 1 bytes long"),
     ] {
-        let told = Sidecar::add(&path, &grade, revision)
+        let told = Sidecar::add(&path, &Proposal::of(&grade), revision)
             .unwrap_err()
             .to_string();
         assert!(told.contains(words), "{told}");
@@ -136,7 +139,7 @@ fn an_instructors_word_is_added_and_the_proposal_stays() {
         learner_id: "b1".into(),
         ..grade.clone()
     };
-    let told = Sidecar::add(&path, &other, said(50.0, "x")).unwrap_err();
+    let told = Sidecar::add(&path, &Proposal::of(&other), said(50.0, "x")).unwrap_err();
     assert!(told.to_string().contains("of learner `a7f3`"), "{told}");
     assert_eq!(Sidecar::read(&path).unwrap(), Some(second));
     std::fs::write(beside(&path), "{}").unwrap();

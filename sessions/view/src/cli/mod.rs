@@ -1,5 +1,6 @@
 //! Command line of `sulcus-review`.
 
+mod live;
 mod review;
 mod tree;
 
@@ -34,6 +35,11 @@ struct Cli {
 enum Command {
     /// Writes a sphere tree for the viewer; `sulcus-server tree --out` calls this
     Tree(tree::TreeArgs),
+    /// Draws a running session; the console of `sulcus-server serve` calls this. Standard input has the scene and the
+    /// state of the tools, standard output gets parts for the web viewer
+    Live,
+    /// Writes the files of the web viewer to standard output; the console of `sulcus-server serve` calls this
+    Viewer,
 }
 
 /// Runs the program with these arguments. The first argument is the program's name.
@@ -49,6 +55,8 @@ where
     };
     let (json, outcome) = match (&cli.command, &cli.review) {
         (Some(Command::Tree(args)), _) => (false, tree::run(args)),
+        (Some(Command::Live), _) => (false, live::run()),
+        (Some(Command::Viewer), _) => (false, live::viewer()),
         (None, Some(args)) => (args.json, review::run(args)),
         (None, None) => (
             false,

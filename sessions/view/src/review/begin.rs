@@ -10,9 +10,10 @@ use super::layout;
 use super::normals::normals;
 use super::picture::{MeshPicture, PartKind, ReviewPicture, Slider};
 use crate::error::Refusal;
+use crate::layout::Part;
 
 /// Name of the application, by which the viewer keeps a layout.
-const APPLICATION: &str = "sulcus_review";
+pub(crate) const APPLICATION: &str = "sulcus_review";
 /// Colour of the hand's ghost and of the line to it, sRGB.
 const HAND: [u8; 3] = [90, 200, 255];
 /// Opacity of the ghost, 0 to 255.
@@ -24,18 +25,29 @@ pub(super) fn begin(path: &Path, picture: &ReviewPicture) -> Result<RecordingStr
         // The file is written whatever the environment variables of Rerun are.
         .enabled(true)
         .save(path)?;
+    constant(&stream, picture, &layout::of(picture))?;
+    layout::styles(&stream, picture)?;
+    Ok(stream)
+}
+
+/// Writes layout, tools, texts and explanation.
+pub(crate) fn constant(
+    stream: &RecordingStream,
+    picture: &ReviewPicture,
+    layout: &Part,
+) -> Result<(), Refusal> {
     stream.send_recording_name(picture.name.as_str())?;
     stream.disable_timeline("log_time");
     stream.disable_timeline("log_tick");
     crate::layout::send(
-        &stream,
+        stream,
         APPLICATION,
         super::waiting::SESSION,
         match picture.slider {
             Slider::Start => PlayState::Paused,
             Slider::End => PlayState::Following,
         },
-        &layout::of(picture),
+        layout,
     )?;
     stream.log_static("/", &rerun::ViewCoordinates::RIGHT_HAND_Z_UP())?;
     for tool in &picture.tools {
@@ -71,8 +83,7 @@ pub(super) fn begin(path: &Path, picture: &ReviewPicture) -> Result<RecordingStr
     let about = rerun::TextDocument::new(picture.about.as_str())
         .with_media_type(rerun::MediaType::markdown());
     stream.log_static(layout::ABOUT, &about)?;
-    layout::styles(&stream, picture)?;
-    Ok(stream)
+    Ok(())
 }
 
 /// Colour of a contact's arrow by the kind of the touched part.

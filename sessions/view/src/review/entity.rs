@@ -1,7 +1,7 @@
 //! Paths of entities.
 
 /// Path of an entity. A name may contain any characters.
-pub(super) fn entity(root: &str, name: &str) -> String {
+pub(crate) fn entity(root: &str, name: &str) -> String {
     let plain: String = name
         .chars()
         .map(|c| if c.is_ascii_alphanumeric() { c } else { '_' })

@@ -17,9 +17,9 @@ use crate::error::Refusal;
 use crate::layout::{Part, View};
 
 /// Entity whose frame follows the probe's tip.
-pub(super) const CLOSE_UP: &str = "/close_up";
+pub(crate) const CLOSE_UP: &str = "/close_up";
 pub(super) const EVENTS: &str = "/events";
-pub(super) const TEETH: &str = "/labels/teeth";
+pub(crate) const TEETH: &str = "/labels/teeth";
 pub(super) const SITES: &str = "/labels/sites";
 pub(super) const ABOUT: &str = "/about";
 /// Opacity of the gingiva in the close-up, 0 to 255, so that the tip in the pocket is visible.
@@ -118,7 +118,7 @@ pub(super) fn of(picture: &ReviewPicture) -> Part {
     Part::Row(vec![(1.55, space), (1.0, numbers)])
 }
 
-fn space(name: &str, contents: &[&str], eye: Eye) -> View {
+pub(crate) fn space(name: &str, contents: &[&str], eye: Eye) -> View {
     let dark = rerun::Color::from_rgb(38, 42, 50);
     View::new("3D", name, contents)
         .with(
@@ -138,7 +138,7 @@ fn space(name: &str, contents: &[&str], eye: Eye) -> View {
 
 /// Close-up of the pocket from outside the tooth, in a frame that follows the tip. The gingiva is transparent, and
 /// parts in front of the pocket are left out.
-fn close_up(picture: &ReviewPicture, eye: Eye) -> Part {
+pub(crate) fn close_up(picture: &ReviewPicture, eye: Eye) -> Part {
     let tool = picture
         .tools
         .get(picture.probe)
@@ -158,6 +158,7 @@ fn close_up(picture: &ReviewPicture, eye: Eye) -> Part {
         &offset,
         &push,
         &contacts,
+        "/forces/hands",
         SITES,
     ];
     // Gingivae have no tint of their own, so the view's tint holds. Only the near side is shown, because the far side
@@ -200,7 +201,7 @@ fn all_of(picture: &ReviewPicture) -> TimeAxis {
         .with_view_range(TimeRange { start, end })
 }
 
-fn plot(name: &str, contents: &str) -> Part {
+pub(crate) fn plot(name: &str, contents: &str) -> Part {
     View::new("TimeSeries", name, &[contents])
         // All plots have the same time axis.
         .with(

@@ -16,16 +16,28 @@ pub(crate) struct Times {
     ticks: Vec<i64>,
     nanoseconds: Vec<i64>,
     sent: u64,
+    /// Whether the timeline of ticks is left out.
+    without_ticks: bool,
 }
 
 impl Times {
+    /// Times on the timeline of the session alone: a row on its own is a tenth shorter.
+    pub fn without_ticks() -> Self {
+        Self {
+            without_ticks: true,
+            ..Self::default()
+        }
+    }
+
     pub fn push(&mut self, at: Moment) {
-        self.ticks.push(at.tick);
+        if !self.without_ticks {
+            self.ticks.push(at.tick);
+        }
         self.nanoseconds.push(at.session_ns);
     }
 
     pub fn len(&self) -> usize {
-        self.ticks.len()
+        self.nanoseconds.len()
     }
 
     /// Number of sent rows.
@@ -40,11 +52,11 @@ impl Times {
         path: &str,
         columns: impl IntoIterator<Item = SerializedComponentColumn>,
     ) -> Result<(), Refusal> {
-        self.sent += self.ticks.len() as u64;
-        let times = [
-            TimeColumn::new_duration_nanos(SESSION, self.nanoseconds.drain(..)),
-            TimeColumn::new_sequence(TICK, self.ticks.drain(..)),
-        ];
+        self.sent += self.nanoseconds.len() as u64;
+        let session = TimeColumn::new_duration_nanos(SESSION, self.nanoseconds.drain(..));
+        let ticks =
+            (!self.without_ticks).then(|| TimeColumn::new_sequence(TICK, self.ticks.drain(..)));
+        let times = std::iter::once(session).chain(ticks);
         stream.send_columns(path, times, columns)?;
         Ok(())
     }
@@ -88,6 +100,9 @@ impl Series {
 
 /// Scale of an absent thing. With scale 0 the viewer would find no transform.
 const NOTHING: f32 = 1e-6;
+/// Number of rows with a scale after a thing has come back, where present things have none. A viewer that misses rows
+/// gets one of them.
+const BACK: u8 = 10;
 
 /// Poses of one entity. An absent thing has a tiny scale.
 #[derive(Debug)]
@@ -97,6 +112,8 @@ pub(crate) struct Poses {
     at: Vec<[f32; 3]>,
     turned: Vec<[f32; 4]>,
     size: Vec<f32>,
+    /// Rows with a scale to come; `None`: every row has one.
+    sizes_left: Option<u8>,
 }
 
 impl Poses {
@@ -107,6 +124,17 @@ impl Poses {
             at: Vec::new(),
             turned: Vec::new(),
             size: Vec::new(),
+            sizes_left: None,
+        }
+    }
+
+    /// Poses that are sent one by one: on the timeline of the session alone, and without a scale while the thing is
+    /// present.
+    pub fn lean(path: String) -> Self {
+        Self {
+            times: Times::without_ticks(),
+            sizes_left: Some(1),
+            ..Self::new(path)
         }
     }
 
@@ -125,9 +153,22 @@ impl Poses {
         }
         let columns = rerun::Transform3D::update_fields()
             .with_many_translation(self.at.drain(..))
-            .with_many_quaternion(self.turned.drain(..).map(rerun::Quaternion::from_xyzw))
-            .with_many_scale(self.size.drain(..).map(rerun::Scale3D::uniform))
-            .columns_of_unit_batches()?;
+            .with_many_quaternion(self.turned.drain(..).map(rerun::Quaternion::from_xyzw));
+        let is_absent = self.size.contains(&NOTHING);
+        let sizes = self.size.drain(..).map(rerun::Scale3D::uniform);
+        let columns = match &mut self.sizes_left {
+            Some(0) if !is_absent => {
+                drop(sizes);
+                columns
+            }
+            left => {
+                if let Some(left) = left {
+                    *left = if is_absent { BACK } else { *left - 1 };
+                }
+                columns.with_many_scale(sizes)
+            }
+        };
+        let columns = columns.columns_of_unit_batches()?;
         self.times.send(stream, &self.path, columns)
     }
 }

@@ -11,7 +11,7 @@ use super::entity::entity;
 use super::layout;
 use super::patches::Patches;
 use super::picture::{
-    Arrow, FramePicture, Label, Lane, Moment, Numbers, PartKind, ReviewPicture, Weight,
+    Arrow, FramePicture, Label, Lane, Moment, Numbers, PartKind, PartPicture, ReviewPicture, Weight,
 };
 use super::waiting::{Arrows, Lines, Poses, Series, Times, Words};
 use crate::error::{Refusal, ViewError};
@@ -19,7 +19,7 @@ use crate::error::{Refusal, ViewError};
 /// Time of the session whose rows are sent together, nanoseconds.
 const TOGETHER_NS: i64 = 1_000_000_000;
 /// Colour of the total force on a tool, sRGB.
-const PUSH: [u8; 3] = [255, 220, 60];
+pub(crate) const PUSH: [u8; 3] = [255, 220, 60];
 
 /// File for the viewer that is being written. It takes one time of the session after the other, and sends the rows of a
 /// second together as columns. Lengths are in millimetres.
@@ -359,16 +359,11 @@ impl ReviewFile {
 
     /// Writes the parts that have never moved.
     fn unmoved(&self) -> Result<(), Refusal> {
-        for (k, part) in self.picture.parts.iter().enumerate() {
-            if self.patches.contains_key(&k) {
-                continue;
-            }
-            let path = entity(part.kind.folder(), &part.name);
-            // A part that may be transparent takes its tint from the view.
-            let tint = (part.kind != PartKind::Gingiva).then_some([255; 4]);
-            self.stream.log_static(path, &mesh(&part.mesh, tint))?;
-        }
-        Ok(())
+        let parts = self.picture.parts.iter().enumerate();
+        let unmoved = parts.filter(|(k, _)| !self.patches.contains_key(k));
+        unmoved
+            .into_iter()
+            .try_for_each(|(_, part)| at_rest(&self.stream, part))
     }
 
     /// Adds lines over the whole plot at the reading band and at the force of trauma.
@@ -389,6 +384,15 @@ impl ReviewFile {
         }
         Ok(())
     }
+}
+
+/// Writes a part that does not move.
+pub(crate) fn at_rest(stream: &RecordingStream, part: &PartPicture) -> Result<(), Refusal> {
+    let path = entity(part.kind.folder(), &part.name);
+    // A part that may be transparent takes its tint from the view.
+    let tint = (part.kind != PartKind::Gingiva).then_some([255; 4]);
+    stream.log_static(path, &mesh(&part.mesh, tint))?;
+    Ok(())
 }
 
 fn fit(part: &str, field: &'static str, found: usize, expected: usize) -> Result<(), ViewError> {

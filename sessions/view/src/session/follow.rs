@@ -2,8 +2,7 @@
 //! of the probe are visible rather than motions of the eye.
 
 use crate::review::Standing;
-use sulcus_core::tissue::TissueModel;
-use sulcus_core::{Scene, TickOutput, Vec3};
+use sulcus_core::Vec3;
 
 /// Time constant of the frame's place, seconds.
 const SOON_S: f64 = 0.35;
@@ -11,11 +10,11 @@ const SOON_S: f64 = 0.35;
 const TURN_S: f64 = 0.6;
 /// Share of the direction along the row of teeth in the view of a proximal site. A view straight along the row would be
 /// blocked by a neighbour.
-const ALONG: f64 = 0.45;
+pub(crate) const ALONG: f64 = 0.45;
 
 /// Frame with the origin at the tip, x towards the eye (horizontal), z up.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Follow {
+pub(crate) struct Follow {
     at: Option<Vec3>,
     /// Direction of x about z, radians.
     bearing: f64,
@@ -32,19 +31,10 @@ impl Follow {
         }
     }
 
-    /// Follows the tip, `step_s` after the last step.
-    pub fn step(&mut self, scene: &Scene, output: &TickOutput, probe: usize, step_s: f64) {
-        let (tool, out) = (&scene.tools[probe], &output.tools[probe]);
-        let tip = out.graphic.transform(&tool.tip);
-        if let Some(reading) = &out.pocket
-            && let Some(object) = scene.objects.get(usize::from(reading.object))
-            && let TissueModel::Gingiva(gingiva) = &object.tissue
-        {
-            let (sin, cos) = (libm::sin(reading.around), libm::cos(reading.around));
-            let side = if sin < 0.0 { -1.0 } else { 1.0 };
-            let towards = gingiva.tooth.buccal * side + gingiva.tooth.mesial * (ALONG * cos);
-            self.wanted = libm::atan2(towards.y, towards.x);
-        }
+    /// Follows the tip (metres), `step_s` after the last step. `towards`: direction from the tooth to the eye, radians
+    /// about z; `None` leaves the direction.
+    pub fn step(&mut self, tip: Vec3, towards: Option<f64>, step_s: f64) {
+        self.wanted = towards.unwrap_or(self.wanted);
         let Some(at) = &mut self.at else {
             self.at = Some(tip);
             self.bearing = self.wanted;

@@ -8,7 +8,7 @@ use sulcus_core::output::{ForceZone, status};
 use sulcus_core::tissue::TissueModel;
 use sulcus_core::{Pose, Scene, TickInput, TickOutput, ToolOutput, Vec3, Workspace};
 
-use super::follow::Follow;
+use super::follow::{ALONG, Follow};
 use super::picture::{kind_of, outward, probe_of};
 use super::units::{millimetres, plain};
 use sulcus_sessions::record::channels::FRAMES_HZ;
@@ -45,7 +45,19 @@ impl Eyes {
 
     /// Moves the close-up's frame, `step_s` after the last time.
     pub fn follow(&mut self, scene: &Scene, output: &TickOutput, step_s: f64) {
-        self.follow.step(scene, output, self.probe, step_s);
+        let (tool, out) = (&scene.tools[self.probe], &output.tools[self.probe]);
+        let tip = out.graphic.transform(&tool.tip);
+        let towards = out.pocket.as_ref().and_then(|reading| {
+            let object = scene.objects.get(usize::from(reading.object))?;
+            let TissueModel::Gingiva(gingiva) = &object.tissue else {
+                return None;
+            };
+            let (sin, cos) = (libm::sin(reading.around), libm::cos(reading.around));
+            let side = if sin < 0.0 { -1.0 } else { 1.0 };
+            let towards = gingiva.tooth.buccal * side + gingiva.tooth.mesial * (ALONG * cos);
+            Some(libm::atan2(towards.y, towards.x))
+        });
+        self.follow.step(tip, towards, step_s);
     }
 
     /// Zone of the probe's force, while the tip is in a pocket.

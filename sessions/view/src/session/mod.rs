@@ -3,9 +3,9 @@
 //! All shapes and numbers come from the replay. A recording whose replay differs is not shown, unless it is of a former
 //! version and stays close. Events of a client and of the exercise come from the log.
 
-mod follow;
+pub(crate) mod follow;
 mod frame;
-mod picture;
+pub(crate) mod picture;
 mod tissue;
 mod units;
 mod window;

@@ -13,11 +13,11 @@ use sulcus_sessions::exercise::{Exercise, Kind};
 use sulcus_sessions::record::read::Recording;
 
 /// Length of an arrow for one newton, mm.
-const ARROW_MM_PER_N: f32 = 20.0;
+pub(crate) const ARROW_MM_PER_N: f32 = 20.0;
 /// Distance of the eye on the tongue from its target, mm.
 const RETRACTION_MM: f64 = 75.0;
 /// Eye of the close-up and its target, mm: x outward from the tooth, z up.
-const CLOSE_UP: Eye = Eye {
+pub(crate) const CLOSE_UP: Eye = Eye {
     at: [15.0, 0.0, 6.0],
     on: [0.0, 0.0, 1.5],
 };

@@ -2,6 +2,7 @@
 
 #[path = "../../../tests/it/common/mod.rs"]
 mod common;
+mod live;
 mod review;
 mod rows;
 mod session;

@@ -242,4 +242,64 @@ pub const LONG: &[Long] = &[
         "Ten million messages of any bytes cause no panic; over a connection they leave the memory as it is.",
         4.0,
     ),
+    long(
+        "door-first-half",
+        "Half a million random sequences of orders, poses, stalls and faults break no limit of the door of a hand.",
+        5.0,
+    ),
+    long(
+        "door-second-half",
+        "Another half a million random sequences break no limit of the door of a hand.",
+        5.0,
+    ),
+    long(
+        "two-devices",
+        "Two devices of different vendors, at 1 and 4 kHz, feel each its own force in the whole mouth, frame by frame.",
+        1.5,
+    ),
+    long(
+        "touch-in-every-case",
+        "A Touch with figures that are 30 % off does not swing in the hand of a person at rest, in any hard case.",
+        4.0,
+    ),
+    long(
+        "touch-x-in-every-case",
+        "A Touch X with figures that are 30 % off does not swing in the hand of a person at rest, in any hard case.",
+        4.0,
+    ),
+    long(
+        "inverse3-in-every-case",
+        "An Inverse3 with figures that are 30 % off does not swing in the hand of a person at rest, in any hard case.",
+        4.0,
+    ),
+    long(
+        "premium-1.5-in-every-case",
+        "A Premium 1.5 with figures that are 30 % off does not swing in the hand of a person at rest, in any hard case.",
+        4.0,
+    ),
+    long(
+        "premium-3.0-in-every-case",
+        "A Premium 3.0 with figures that are 30 % off does not swing in the hand of a person at rest, in any hard case.",
+        4.0,
+    ),
+    long(
+        "twenty-pages",
+        "Twenty pages of the console, a stalled and a flooding one cost no tick and no memory.",
+        4.0,
+    ),
+    long(
+        "upgrade",
+        "A school of an earlier release goes on with its tickets and lists, and old sessions have the same grades.",
+        6.0,
+    ),
+    long(
+        "times-at-the-hand",
+        "With ticks at the hand, half of the commands reach the hand and of the ticks the server in time on every named network.",
+        1.5,
+    ),
+    long(
+        "outage-at-the-hand",
+        "Ticks at the hand go on in an outage of 20 s and are handed in after it.",
+        0.6,
+    ),
 ];

@@ -1,5 +1,6 @@
 //! Proofs of minutes: see the table of long proofs in `sulcus-support`.
 
+mod device_loop;
 mod hard_cases;
 mod passivity;
 mod printed;

@@ -247,7 +247,8 @@ fn breaks(report: &Report) -> Answer {
     let all = of("coupled").count()
         + report.random_poses.len()
         + passivity.loops.len()
-        + passivity.hours.len();
+        + passivity.hours.len()
+        + report.devices.len();
     let felt = |l: &&Loop| l.energy_controlled_mj > FELT_MJ;
     let felt = passivity.loops.iter().filter(felt).count();
     let (short, mood) = match broken.len() {

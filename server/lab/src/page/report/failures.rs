@@ -2,7 +2,8 @@
 
 use crate::report::Report;
 
-/// All bounds that do not hold: of hard cases, random poses, links, the hour at rest, and ratios to other engines.
+/// All bounds that do not hold: of hard cases, random poses, links, the hour at rest, real devices, and ratios to other
+/// engines.
 pub(crate) fn failures(report: &Report) -> Vec<String> {
     let rows = report.rows.iter().filter(|row| row.status == "broken");
     let rows = rows.map(|row| {
@@ -32,6 +33,13 @@ pub(crate) fn failures(report: &Report) -> Vec<String> {
     let hours = report.passivity.hours.iter().filter(|hour| !hour.holds());
     let hours =
         hours.map(|hour| format!("{} drifts by {:.2} µm at rest", hour.case, hour.drift_um));
+    let devices = report.devices.iter().filter(|one| !one.holds());
+    let devices = devices.map(|one| {
+        format!(
+            "{} in the hand swings by {:.3} N above 20 Hz at rest in {}",
+            one.device, one.buzz_n, one.case
+        )
+    });
     let peers = report.peers.iter().flat_map(|peers| {
         let ratios = peers["ratios"].as_array().cloned().unwrap_or_default();
         ratios.into_iter().filter(|ratio| ratio["holds"] == false)
@@ -44,6 +52,6 @@ pub(crate) fn failures(report: &Report) -> Vec<String> {
             ratio["at_least"].as_f64().unwrap_or(f64::NAN)
         )
     });
-    let all = rows.chain(rough).chain(loops).chain(hours);
+    let all = rows.chain(rough).chain(loops).chain(hours).chain(devices);
     all.chain(peers).collect()
 }

@@ -3,6 +3,7 @@
 mod answers;
 mod failures;
 mod matrix;
+mod networks;
 mod passivity;
 mod peers;
 mod plots;
@@ -16,9 +17,10 @@ pub(crate) use failures::failures;
 
 use super::filters;
 use super::plot::Svg;
-use crate::report::{Beside, LOOKS_S, Report, Row};
+use crate::report::{Beside, LOOKS_S, Report, Row, sentences};
 use answers::{Answer, Line};
 use matrix::Matrix;
+use networks::Network;
 use passivity::Passivity;
 use peers::Peers;
 use plots::{Growth, OneDof, PaperFigure, Speed};
@@ -40,10 +42,13 @@ struct Page<'a> {
     /// Rows of the hard cases with a bound that does not hold.
     broken: Vec<&'a Row>,
     passivity: Passivity<'a>,
+    /// Chosen coupling, onset and margin of each device, one sentence each.
+    devices: Vec<String>,
     growth: Vec<Growth<'a>>,
     one_dof: OneDof,
     peers: Option<Peers>,
     screen: Option<Screen>,
+    networks: Option<Vec<Network>>,
     paper: Option<Paper<'a>>,
 }
 
@@ -72,10 +77,12 @@ pub(crate) fn page(report: &Report) -> askama::Result<String> {
             .filter(|row| !row.broken.is_empty())
             .collect(),
         passivity: Passivity::of(&report.passivity),
+        devices: sentences(&report.devices),
         growth: report.growth.lines.iter().map(Growth::of).collect(),
         one_dof: OneDof::of(&report.one_dof),
         peers: report.peers.as_ref().map(Peers::of),
         screen: report.screen.as_ref().map(Screen::of),
+        networks: report.networks.as_ref().map(Network::all),
         paper: report.paper.as_ref().map(|beside| Paper {
             beside,
             figures: beside.curves.iter().map(PaperFigure::of).collect(),

@@ -29,6 +29,7 @@ fn small() -> Report {
             loops: Vec::new(),
             hours: Vec::new(),
         },
+        devices: Vec::new(),
         one_dof: Vec::new(),
         finite_elements: Vec::new(),
         peers: Some(serde_json::json!({
@@ -46,6 +47,10 @@ fn small() -> Report {
                 {"level": "lowest", "view": "buccal", "draws": 4, "mirror_ms": 16.5},
             ],
         })),
+        networks: Some(serde_json::json!([
+            {"network": null, "tick": "server", "pose_age_ms": {"p50": 0.6112, "p99": 1.0}, "grade": 99.0},
+            {"network": "a <b>", "tick": "hand", "pose_age_ms": {"p50": 1.0, "p99": 1.125}, "felt_identical": true},
+        ])),
         paper: None,
         took_s: 1.0,
         parts_s: Vec::new(),
@@ -69,6 +74,22 @@ fn the_three_answers_stand_before_everything_else_and_nothing_is_fetched() {
     }
     // What comes from files is text, not markup.
     assert!(html.contains("a &#60;block&#62;") && html.contains("does not hold"));
+}
+
+#[test]
+fn a_row_of_each_network_says_what_the_hand_felt() {
+    let html = page(&small()).expect("a page");
+    let section = html.split("id=\"networks\"").nth(1).expect("the section");
+    let section = section.split("</section>").next().unwrap_or_default();
+    let at = |text: &str| section.find(text).unwrap_or_else(|| panic!("no {text}"));
+    assert!(at("none") < at("0.61") && at("0.61") < at("a &#60;b&#62;"));
+    assert!(at("1.12") < at("yes"));
+    let without = Report {
+        networks: None,
+        ..small()
+    };
+    let html = page(&without).expect("a page");
+    assert!(html.contains("example <code>networks</code>"));
 }
 
 #[test]

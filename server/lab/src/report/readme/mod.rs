@@ -2,6 +2,7 @@
 //!
 //! All numbers between the markers of the document come from one report. A report that lacks a table replaces nothing.
 
+mod devices;
 mod loops;
 mod markers;
 mod matrix;
@@ -30,7 +31,7 @@ const COMMAND: &str = "sulcus-server report";
 type Make = fn(&Report) -> Table;
 
 /// Tables of every full report, in their order.
-const TABLES: [(&str, Make); 13] = [
+const TABLES: [(&str, Make); 14] = [
     ("Whole mouth, by level", scenes::mouth),
     ("Level, tissue, solver and method", matrix::matrix),
     ("Rates", scenes::rates),
@@ -42,6 +43,7 @@ const TABLES: [(&str, Make); 13] = [
     ("Passivity over links, the most energy", loops::links),
     ("Passivity over links, by delay", loops::delays),
     ("A hand at rest", loops::rest),
+    ("Real devices", devices::couplings),
     ("One degree of freedom", tissue::one_dof),
     ("Tissue against finite elements", tissue::elements),
 ];

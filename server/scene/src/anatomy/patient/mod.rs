@@ -26,12 +26,15 @@
 mod chart;
 mod check;
 mod generate;
+mod printed;
 mod read;
 mod sides;
 
 pub use crate::file::{Condition, LOWER};
 pub use chart::{Furcations, Patient, THIRD_MOLARS, ToothChart};
+pub use check::{DEPTH_MM, MOST_LOSS_MM, PatientFault, RECESSION_MM};
 pub use generate::generate;
+pub use printed::as_text;
 pub use sides::{Sides, healthy_depth, healthy_recession};
 
 #[cfg(test)]

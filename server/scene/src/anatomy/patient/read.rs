@@ -4,6 +4,7 @@ use std::path::Path;
 
 use super::chart::Patient;
 use super::check;
+use super::check::PatientFault;
 use crate::hand_written::{FileError, from_toml, read_text};
 
 impl Patient {
@@ -15,6 +16,19 @@ impl Patient {
         let patient: Self = from_toml(text, file)?;
         check::patient(&patient).map_err(|wrong| wrong.in_file(file))?;
         Ok(patient)
+    }
+
+    /// Parses the text of a patient file and leaves the ranges unchecked: see [`crate::anatomy::mouth::faults`].
+    ///
+    /// # Errors
+    /// [`FileError::Syntax`] with file, line and text expected.
+    pub fn parse_unchecked(text: &str, file: &Path) -> Result<Self, FileError> {
+        from_toml(text, file)
+    }
+
+    /// Returns all values out of range, with their places.
+    pub fn faults(&self) -> Vec<PatientFault> {
+        check::faults(self)
     }
 
     /// Reads and checks a patient file. Also returns its text.

@@ -1,0 +1,5 @@
+mod device;
+mod figures;
+mod paced;
+mod person;
+mod refusals;
