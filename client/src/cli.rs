@@ -489,7 +489,7 @@ pub struct ViewArgs {
     /// score, advice and the worst finding in a loop
     #[arg(long, requires = "view")]
     pub close_at_end: bool,
-    /// Print frame age and frame time of the window at the end
+    /// Print each act and each new size of the window while it runs, and frame age and frame time at the end
     #[arg(long, requires = "view")]
     pub stats: bool,
 }

@@ -13,8 +13,8 @@ use sulcus_support::Resource;
 
 /// Names of the driver, in the order of the attempts.
 const DRIVERS: [&str; 2] = ["chromedriver", "/usr/lib/chromium-browser/chromedriver"];
-/// Time in which anything on a page must happen.
-pub const SOON: Duration = Duration::from_secs(60);
+/// Longest wait for anything on a page, on a busy machine.
+pub const SOON: Duration = Duration::from_secs(120);
 
 /// Lock of the browser: two browsers and their students would be more than two cores carry.
 static ALONE: Mutex<()> = Mutex::new(());
@@ -102,6 +102,8 @@ impl Driver {
         let wanted = json!({
             "goog:chromeOptions": { "args": arguments },
             "acceptInsecureCerts": true,
+            // Milliseconds; the default of half a minute is short for a check of a page on a busy machine.
+            "timeouts": { "script": 120_000 },
         });
         let Value::Object(wanted) = wanted else {
             unreachable!()

@@ -2,7 +2,7 @@
 
 use std::time::{Duration, Instant};
 
-use fantoccini::Client;
+use fantoccini::{Client, Locator};
 use serde_json::{Value, json};
 
 use crate::browser::{
@@ -15,6 +15,17 @@ use sulcus_tests::Program;
 
 /// Longest compilation on a busy machine.
 const COMPILED: Duration = Duration::from_secs(600);
+
+/// Counts the frames that the browser draws from now on.
+const DRAWN: &str = "
+window.drawn = 0;
+window.began = performance.now();
+const next = () => {
+  window.drawn += 1;
+  requestAnimationFrame(next);
+};
+requestAnimationFrame(next);
+";
 
 /// A key that is pressed on the focused site.
 async fn press(page: &Client, key: &str) {
@@ -191,8 +202,13 @@ async fn turned(driver: &Driver, class: &Class) {
     {
         let started = "document.querySelector('#replay')?.dataset.started === 'yes'";
         until_within(&page, "the viewer", started, FIRST).await;
-        // The viewer draws some frames after its start.
-        tokio::time::sleep(Duration::from_secs(20)).await;
+        let frame = page.find(Locator::Css("#replay iframe")).await;
+        frame.unwrap().enter_frame().await.unwrap();
+        page.execute(DRAWN, vec![]).await.unwrap();
+        // The viewer looks for a failure of its own every second.
+        let drawn = "window.drawn >= 20 && performance.now() > window.began + 3000";
+        until(&page, "frames after the start", drawn).await;
+        page.clone().enter_parent_frame().await.unwrap();
         crate::live::picture(&page, "mouth").await;
         assert_eq!(
             value(&page, "document.querySelector('#told').textContent").await,

@@ -51,7 +51,7 @@ impl Class {
             let text = std::fs::read_to_string(place.path(&out)).expect("a ticket");
             text.trim().to_owned()
         };
-        let mut stations = String::from("[defaults]\nresume_within_s = 5\n");
+        let mut stations = String::from("[defaults]\nresume_within_s = 60\n");
         for (name, exercise, rate, _) in seats {
             stations += &format!(
                 "[[station]]\nname = \"{name}\"\nplan = {{ exercise = \"{exercise}\", rate_hz = {rate} }}\n"
@@ -104,6 +104,14 @@ impl Class {
             command.args(["--habit", habit]);
         }
         command.spawn().expect("the client starts")
+    }
+
+    /// Ends the session of a student as Ctrl-C does. The station is free afterwards.
+    pub fn interrupt(mut student: Child) {
+        // A student whose session has ended is gone already.
+        let process = rustix::process::Pid::from_child(&student);
+        let _ = rustix::process::kill_process(process, rustix::process::Signal::INT);
+        student.wait().expect("the client ends");
     }
 
     /// Ends the server and starts another one with the same folders. The console has another address then.

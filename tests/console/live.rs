@@ -43,7 +43,7 @@ fn both_tools_of_a_running_station_move_on_the_page_of_its_instructor() {
         let page = driver.drawing_browser().await;
         page.set_window_size(1400, 1000).await.unwrap();
         sign_in(&page, &class.console, &class.instructor).await;
-        let mut student = class.student(0, "600");
+        let mut student = class.student(0, "1200");
         let seen = "document.querySelector('.tile[data-phase=running] h2 a') !== null";
         until(&page, "the running station", seen).await;
         click(&page, ".tile h2 a").await;

@@ -56,9 +56,10 @@ fn the_pages_fit_a_desk_a_tablet_and_a_phone_light_and_dark() {
         .map(|file| std::fs::read_to_string(file).expect("axe-core's script"));
     let class = Class::new();
     run(async {
-        let mut students: Vec<_> = [0, 2].map(|k| class.student(k, "60")).into();
         for is_dark in [false, true] {
             let scheme = if is_dark { "dark" } else { "light" };
+            // Each scheme has sessions of its own: a slow browser would find the first ones ended.
+            let students = [0, 2].map(|k| class.student(k, "900"));
             let page = driver.browser(is_dark).await;
             page.goto(&format!("https://{}/sign-in", class.console))
                 .await
@@ -91,10 +92,7 @@ fn the_pages_fit_a_desk_a_tablet_and_a_phone_light_and_dark() {
             .await;
             look(&page, &format!("station-{scheme}"), axe.as_deref()).await;
             page.close().await.unwrap();
-        }
-        for student in &mut students {
-            let _ = student.kill();
-            let _ = student.wait();
+            students.into_iter().for_each(Class::interrupt);
         }
     });
 }

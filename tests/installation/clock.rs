@@ -33,6 +33,8 @@ fn a_clock_that_was_set_back_by_a_year_overwrites_no_session_and_loses_no_entry(
             ticket.trim(),
             "--duration",
             "2",
+            "--tick",
+            "server",
         ];
         place.run(Program::Client, &hand).ok();
     };

@@ -8,9 +8,8 @@ use sulcus_connection::instructor::Instructor;
 use sulcus_proto::control::Instruction;
 use sulcus_proto::station::Phase;
 use sulcus_relay::{Network, Relay};
-use sulcus_tests::Ended;
 
-use crate::{Class, HOME, until};
+use crate::{Class, HOME, ended, until};
 
 /// Lag of the recording behind the hand that is more than a line of a home causes, milliseconds.
 const FAR_BEHIND_MS: u32 = 2000;
@@ -42,10 +41,7 @@ pub fn perform(class: &Class, instructor: &mut Instructor) {
     until(instructor, name, "the ticks of the outage", |at| {
         at.tick > cut && at.behind_ms.is_some_and(|ms| ms < FAR_BEHIND_MS)
     });
-    let ended = Ended::new(student.wait_with_output().expect("the client ends"));
-    assert_eq!(ended.code, 0, "{ended:#?}");
-    let said = ended.json();
-    assert_eq!(said["device"]["last_displayed_n"], 0.0, "{said}");
+    let said = ended(instructor, name, student).json();
     assert!(
         said["link"]["bytes_per_tick"].as_f64() > Some(1.0),
         "{said}"

@@ -39,21 +39,27 @@ use sulcus_tests::{Ended, Image, Place, Program, files_with};
 
 use arm::Arm;
 
-/// Stations of the class with their exercises, and the length of each student's session, seconds.
-const STATIONS: [(&str, &str, &str); 5] = [
-    ("chair-1", "crown", "60"),
-    ("chair-2", "crown", "60"),
-    ("chair-3", "probing", "60"),
-    ("chair-4", "crown", "60"),
-    ("chair-5", "crown", "45"),
+/// Stations of the class with their exercises.
+const STATIONS: [(&str, &str); 5] = [
+    ("chair-1", "crown"),
+    ("chair-2", "crown"),
+    ("chair-3", "probing"),
+    ("chair-4", "crown"),
+    ("chair-5", "crown"),
 ];
+
+/// Longest session of a student, seconds. The instructor ends each session after its acts.
+const LONGEST_S: &str = "1200";
+
+/// Longest wait for a state.
+const PATIENCE: Duration = Duration::from_secs(120);
 
 /// Station of the student with a haptic device, who comes after the others.
 const WITH_ARM: usize = 4;
 /// Station whose ticks run at the hand. They begin again when the server is started again.
 const AT_HAND: usize = 3;
-/// Station, learner, exercise and length in seconds of the student at home.
-const HOME: (&str, &str, &str, &str) = ("home", "s-6", "crown", "20");
+/// Station, learner and exercise of the student at home.
+const HOME: (&str, &str, &str) = ("home", "s-6", "crown");
 /// Force at the arm that shows a contact, newtons.
 const TOUCHED_N: f64 = 0.1;
 
@@ -76,14 +82,14 @@ impl Class {
         let place = image.map_or_else(Place::new, Place::with_image);
         let mut roster = String::from("Learner;Station\n");
         let mut stations =
-            String::from("[class]\nname = \"rehearsal\"\n\n[defaults]\nresume_within_s = 60\n");
-        for (k, (name, exercise, _)) in STATIONS.iter().enumerate() {
+            String::from("[class]\nname = \"rehearsal\"\n\n[defaults]\nresume_within_s = 300\n");
+        for (k, (name, exercise)) in STATIONS.iter().enumerate() {
             roster += &format!("{};{name}\n", learner(k));
             stations += &format!(
                 "\n[[station]]\nname = \"{name}\"\nplan = {{ exercise = \"{exercise}\" }}\n"
             );
         }
-        let (home, at_home, exercise, _) = HOME;
+        let (home, at_home, exercise) = HOME;
         roster += &format!("{at_home};{home}\n");
         stations +=
             &format!("\n[[station]]\nname = \"{home}\"\nplan = {{ exercise = \"{exercise}\" }}\n");
@@ -171,14 +177,14 @@ impl Class {
 
     /// Starts the client of a station, over `address`, with a device where there is an `arm`.
     fn student(&self, k: usize, address: &str, arm: Option<&Arm>) -> Child {
-        let (_, exercise, seconds) = STATIONS[k];
+        let (_, exercise) = STATIONS[k];
         // On a busy machine the choice of a client would be a matter of chance.
         let ticks = if k == AT_HAND { "hand" } else { "server" };
         let mut command = self.place.command(Program::Client.path());
         command
             .env("SULCUS_TICKET", &self.tickets[k])
             .args(["run", "--server", address, "--exercise", exercise])
-            .args(["--duration", seconds, "--tick", ticks, "--json"])
+            .args(["--duration", LONGEST_S, "--tick", ticks, "--json"])
             .stdout(Stdio::piped())
             .stderr(Stdio::piped());
         if let Some(arm) = arm {
@@ -189,12 +195,12 @@ impl Class {
 
     /// Starts the client of the student at home, over `address`. The place of the ticks is its own choice.
     fn at_home(&self, address: &str) -> Child {
-        let (_, _, exercise, seconds) = HOME;
+        let (_, _, exercise) = HOME;
         let mut command = self.place.command(Program::Client.path());
         command
             .env("SULCUS_TICKET", &self.tickets[STATIONS.len()])
             .args(["run", "--server", address, "--exercise", exercise])
-            .args(["--duration", seconds, "--json"])
+            .args(["--duration", LONGEST_S, "--json"])
             .stdout(Stdio::piped())
             .stderr(Stdio::piped());
         command.spawn().expect("the client starts")
@@ -219,7 +225,7 @@ impl Class {
 
 /// Waits for a frame on a screen that fits.
 fn shown(screen: &mut DisplayLink, fits: impl Fn(&DisplayFrame) -> bool) -> DisplayFrame {
-    let patience = Instant::now() + Duration::from_secs(90);
+    let patience = Instant::now() + PATIENCE;
     while Instant::now() < patience {
         let newest = screen.newest().and_then(|picture| picture.frame.clone());
         if let Some(frame) = newest.filter(|frame| fits(frame)) {
@@ -270,7 +276,7 @@ fn until(
     what: &str,
     fits: impl Fn(&StationStatus) -> bool,
 ) {
-    let patience = Instant::now() + Duration::from_secs(90);
+    let patience = Instant::now() + PATIENCE;
     let mut newest = None;
     while Instant::now() < patience {
         if let Some(Heard::Status(status)) = instructor.next(Duration::from_secs(1))
@@ -285,16 +291,22 @@ fn until(
     panic!("waited in vain for {what}: {newest:?}");
 }
 
+/// Ends the session of a station. Gives the result of its client, which has let the hand go.
+fn ended(instructor: &mut Instructor, station: &str, student: Child) -> Ended {
+    let end = instructor.instruct(station, Instruction::End);
+    assert!(end.expect("an answer").taken, "{station}");
+    let ended = Ended::new(student.wait_with_output().expect("the client ends"));
+    assert_eq!(ended.code, 0, "{station}: {ended:#?}");
+    let said = ended.json();
+    assert_eq!(said["session"]["end"], "instructor", "{said}");
+    assert_eq!(said["device"]["last_displayed_n"], 0.0, "{said}");
+    ended
+}
+
 #[test]
 fn a_class_hour() {
     let began = Instant::now();
     let act = |name: &str| eprintln!("{:6.1} s  {name}", began.elapsed().as_secs_f64());
-    // Compiled before the clock of the class runs.
-    let _ = (
-        Program::Client.path(),
-        Program::Server.path(),
-        Program::Sessions.path(),
-    );
     let class = Class::new();
 
     act("the server starts; every recording has its folder");
@@ -382,13 +394,13 @@ fn a_class_hour() {
     });
     relay.cut(false);
     until(&mut instructor, "chair-3", "a return", |at| {
-        at.phase == Phase::Running && at.gaps == 1
+        at.phase == Phase::Running && at.gaps > 0
     });
     // The screen returns by itself, with the scene of its cache.
     let cut = shown(&mut screen, |_| true).tick;
     let again = shown(&mut screen, |frame| frame.tick > cut + 500);
     assert_eq!(again.scene, scene.scene);
-    // Drawn after the class: the sessions last for a fixed time, and a picture takes seconds on a busy machine.
+    // Drawn after the class: a picture takes seconds of all cores.
     let picture = screen.newest().expect("a picture").clone();
 
     act("the server is killed, and started again with the same tickets");
@@ -410,19 +422,15 @@ fn a_class_hour() {
     assert_eq!(after.scene, scene.scene, "the same patient");
     drop(screen);
 
-    act("the students finish");
-    for (k, student) in students.into_iter().enumerate() {
-        let ended = Ended::new(student.wait_with_output().expect("the client ends"));
-        assert_eq!(ended.code, 0, "student {k}: {ended:#?}");
+    act("the instructor ends the sessions");
+    for (k, (name, student)) in seats.iter().zip(students).enumerate() {
+        let ended = ended(&mut instructor, name, student);
         let said = ended.json();
-        assert_eq!(said["device"]["last_displayed_n"], 0.0, "{said}");
+        // The kill, and the pulled cable of the third student. A busy machine can lose a connection once more.
         let returns = said["link"]["returns"].as_u64();
-        assert_eq!(returns, Some(if k == 2 { 2 } else { 1 }), "{said}");
-        assert_eq!(
-            ended.stderr.contains("A little flatter"),
-            k == 1,
-            "{ended:#?}"
-        );
+        assert!(returns >= Some(if k == 2 { 2 } else { 1 }), "{said}");
+        let heard = ended.stderr.contains("A little flatter");
+        assert_eq!(heard, k == 1, "{ended:#?}");
     }
 
     act("a fifth student presses the button of a haptic device and feels the crown");
@@ -453,13 +461,7 @@ fn a_class_hour() {
         at.phase == Phase::Running && at.tick > 1000
     });
     arm.feel(TOUCHED_N);
-    let ended = Ended::new(student.wait_with_output().expect("the client ends"));
-    assert_eq!(ended.code, 0, "{ended:#?}");
-    assert_eq!(
-        ended.json()["device"]["last_displayed_n"],
-        0.0,
-        "{ended:#?}"
-    );
+    ended(&mut instructor, seat, student);
     let log = arm.stop();
     let felt = |from: u64, to: u64| {
         let forces = log.forces(arm::ARM).into_iter();
@@ -476,7 +478,7 @@ fn a_class_hour() {
 
     if Resource::Curl.or_skip(page::can()).is_some() {
         act("the table of results has a row for each session");
-        let patience = Instant::now() + Duration::from_secs(60);
+        let patience = Instant::now() + PATIENCE;
         loop {
             let table = page::asked(&class.place, &server, &token, "/results");
             let rows = table.matches("data-label=\"State\"").count();
@@ -491,7 +493,7 @@ fn a_class_hour() {
     act("the certificate is rotated: open connections stay, tickets of the former one are refused");
     let rotate = ["certificate", "rotate", "--out", "new.der", "--json"];
     let rotated = class.place.run(Program::Server, &rotate).json();
-    let patience = Instant::now() + Duration::from_secs(30);
+    let patience = Instant::now() + PATIENCE;
     let refused = loop {
         match Instructor::connect(class.instructors_link()) {
             Err(error) => break error,

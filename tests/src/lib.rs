@@ -7,12 +7,18 @@ mod image;
 pub mod page;
 mod program;
 
-use std::io::{BufRead, BufReader, Write as _};
+use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Output, Stdio};
+use std::time::{Duration, Instant};
+
+use sulcus_sessions::{Message, Recording, Row};
 
 pub use image::{Image, USER};
 pub use program::Program;
+
+/// Longest wait for a condition.
+pub const LIMIT: Duration = Duration::from_secs(120);
 
 /// A folder of its own for one test: recordings, keys and caches go there, nothing else is touched.
 pub struct Place {
@@ -112,20 +118,43 @@ impl Place {
         self.run(Program::Client, &server.joining(arguments))
     }
 
-    /// The same, with `typed` on the client's standard input.
-    pub fn perform_typing(&self, server: &Serving, arguments: &[&str], typed: &str) -> Ended {
-        let mut child = self
-            .command(Program::Client.path())
-            .args(server.joining(arguments))
-            .stdin(Stdio::piped())
-            .stdout(Stdio::piped())
-            .stderr(Stdio::piped())
-            .spawn()
-            .expect("the program starts");
-        let mut to = child.stdin.take().expect("piped");
-        to.write_all(typed.as_bytes()).expect("it reads");
-        drop(to);
-        Ended::new(child.wait_with_output().expect("it ends"))
+    /// Waits until a recording under `folder` of this place has rows, and gives its path.
+    ///
+    /// # Panics
+    /// No session began within [`LIMIT`].
+    pub fn begun(&self, folder: &str) -> PathBuf {
+        self.until(folder, |rows| !rows.is_empty())
+    }
+
+    /// Waits until a recording under `recordings` has a force of more than 0.1 N.
+    ///
+    /// # Panics
+    /// The hand touched nothing within [`LIMIT`].
+    pub fn touched(&self) -> PathBuf {
+        let touches = |row: &Row| row.wrench[0][..3].iter().any(|x| x.abs() > 0.1);
+        self.until("recordings", |rows| rows.iter().any(touches))
+    }
+
+    /// Waits until the rows of a recording under `folder` fulfil a condition. The file is still being written.
+    fn until(&self, folder: &str, condition: impl Fn(&[Row]) -> bool) -> PathBuf {
+        let began = Instant::now();
+        loop {
+            for file in files_with(&self.path(folder), "mcap") {
+                let Ok(recording) = Recording::open(&file) else {
+                    continue;
+                };
+                let row = |message| match message {
+                    Ok(Message::Row(row)) => Some(row),
+                    _ => None,
+                };
+                let rows: Vec<Row> = recording.messages().filter_map(row).collect();
+                if condition(&rows) {
+                    return file;
+                }
+            }
+            assert!(began.elapsed() < LIMIT, "no such rows below {folder}");
+            std::thread::sleep(Duration::from_millis(50));
+        }
     }
 
     /// The one recording under `recordings`.
@@ -217,12 +246,11 @@ impl Ended {
 }
 
 /// All rows of a recording.
-pub fn rows(recording: &sulcus_sessions::Recording) -> Vec<sulcus_sessions::Row> {
-    let message =
-        |message: Result<sulcus_sessions::Message, _>| match message.expect("a sound message") {
-            sulcus_sessions::Message::Row(row) => Some(row),
-            _ => None,
-        };
+pub fn rows(recording: &Recording) -> Vec<Row> {
+    let message = |message: Result<Message, _>| match message.expect("a sound message") {
+        Message::Row(row) => Some(row),
+        _ => None,
+    };
     recording.messages().filter_map(message).collect()
 }
 

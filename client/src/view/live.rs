@@ -10,6 +10,7 @@ use sulcus_connection::link::{LinkError, now_ns};
 use sulcus_core::MAX_TOOLS;
 use sulcus_core::math::norm;
 use sulcus_haptics::Stage;
+use sulcus_program::tell;
 use sulcus_proto::TOOLS;
 use sulcus_proto::control::Command;
 use sulcus_proto::display::{DisplayScene, SceneHash};
@@ -18,8 +19,8 @@ use sulcus_screen::hand::Shared;
 use sulcus_screen::handed::Person;
 use sulcus_screen::moment::{Moment, ToolAt};
 use sulcus_screen::panel::{
-    Clock, Detail, Help, Link, Mode, Next, PanelState, Recording, Status, ToolForce, Tour, Trace,
-    Warning,
+    Clock, Detail, Help, Link, Mode, Next, PanelState, Primitive, Recording, Status, ToolForce,
+    Tour, Trace, Warning,
 };
 use sulcus_screen::readings::{Heard, READING_CALLED, Readings, Site, Stop, Wrong};
 use sulcus_screen::show::{Act, Show};
@@ -53,10 +54,17 @@ pub struct Live {
     depth_mm: Option<f64>,
     /// Newest message of an instructor, with the time of its arrival.
     message: Option<(String, Instant)>,
+    /// Whether acts and sizes of pictures are told, as `--stats` asks.
+    has_stats: bool,
+    /// Size of the newest picture, pixels.
+    size: Option<[u32; 2]>,
+    /// Size that was told last, pixels.
+    told: Option<[u32; 2]>,
 }
 
 impl Live {
     /// Session with a display's connection of its own. The settings of the person become an event of the recording.
+    /// `has_stats` asks for a line on standard error for each act, and for each new size of the pictures.
     ///
     /// # Errors
     /// The system has no thread for the connection.
@@ -65,6 +73,7 @@ impl Live {
         person: Person,
         helpers: Helpers,
         over: Arc<AtomicBool>,
+        has_stats: bool,
     ) -> Result<Self, LinkError> {
         let Seated { facts, eyes, hands } = seated;
         let display = DisplayLink::begin(&facts.config, Cache::in_default_folder())?;
@@ -89,6 +98,9 @@ impl Live {
             tick: 0,
             depth_mm: None,
             message: None,
+            has_stats,
+            size: None,
+            told: None,
             facts,
             eyes,
             hands,
@@ -107,6 +119,18 @@ impl Live {
     pub(super) fn say(&mut self, kind: &'static str, json: String) {
         // The ring is full only if the device's loop has ended.
         let _ = self.eyes.events.push(DeviceEvent { kind, json });
+    }
+
+    /// Takes the size of a picture before the picture is drawn. A new size is told after the first picture of that size
+    /// in the running session: the window then shows the session and takes keys.
+    fn tell_size(&mut self, window: [u32; 2]) {
+        let is_running = self.tick > 0;
+        let before = self.size.replace(window);
+        let drawn = before.filter(|drawn| is_running && self.told != Some(*drawn));
+        if let Some([width, height]) = drawn.filter(|_| self.has_stats) {
+            tell!("window        draws {width} x {height} pixels");
+            self.told = drawn;
+        }
     }
 
     /// Speaks the next step. An exam has none.
@@ -258,6 +282,11 @@ impl Show for Live {
         state
     }
 
+    fn overlay(&mut self, window: [u32; 2], _scale: f32) -> Option<Vec<Primitive>> {
+        self.tell_size(window);
+        None
+    }
+
     fn ghosts(&mut self) -> [Option<ToolAt>; TOOLS] {
         let ghosts = self
             .glance()
@@ -266,6 +295,9 @@ impl Show for Live {
     }
 
     fn act(&mut self, act: Act) {
+        if self.has_stats {
+            tell!("window act    {act:?}");
+        }
         if let Some((kind, json)) = act.event() {
             self.say(kind, json);
         }

@@ -148,7 +148,7 @@ pub fn beside(
                 voice: helper("--speak", args.speak, Voice::begin),
                 player: helper("--sound", args.sound, Player::begin),
             };
-            match Live::new(seated, person, helpers, over.clone()) {
+            match Live::new(seated, person, helpers, over.clone(), args.stats) {
                 Ok(live) => {
                     let ends = args.mouse.then(|| closed.clone());
                     let show: Box<dyn Show> = match stays {

@@ -158,6 +158,8 @@ impl Show for Pupil {
     }
 
     fn overlay(&mut self, window: [u32; 2], scale: f32) -> Option<Vec<Primitive>> {
+        // The session draws nothing of its own there, and tells the size.
+        self.live.overlay(window, scale);
         let (first, questions) = self.begun.as_ref()?;
         if first.step() != Some(Step::Read) {
             return None;

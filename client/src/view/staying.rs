@@ -170,7 +170,9 @@ impl Show for Staying {
     }
 
     fn overlay(&mut self, window: [u32; 2], scale: f32) -> Option<Vec<Primitive>> {
-        let page = self.page.as_ref()?;
+        let Some(page) = &self.page else {
+            return self.live.overlay(window, scale);
+        };
         Some(panel::end(&page.end, window, scale, &ENGLISH).list)
     }
 

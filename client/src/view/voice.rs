@@ -116,21 +116,17 @@ impl Pace {
 #[cfg(all(test, unix))]
 mod tests {
     use super::*;
-    use std::os::unix::fs::PermissionsExt;
 
-    /// Program that runs a line of shell; the text is `$1`.
-    fn program(folder: &Path, line: &str) -> PathBuf {
-        let path = folder.join("speaks");
-        std::fs::write(&path, format!("#!/bin/sh\n{line}\n")).expect("a file");
-        let may_run = std::fs::Permissions::from_mode(0o755);
-        std::fs::set_permissions(&path, may_run).expect("a program");
-        path
+    /// Voice by a line of shell; the text is `$1`.
+    fn voice(line: &str) -> Voice {
+        let line: &'static str = line.to_owned().leak();
+        Voice::by("sh".into(), vec!["-c", line, "sh"].leak()).expect("a voice")
     }
 
     fn waits_for(mut met: impl FnMut() -> bool) {
         let begin = Instant::now();
         while !met() {
-            assert!(begin.elapsed() < Duration::from_secs(60), "too long");
+            assert!(begin.elapsed() < Duration::from_secs(120), "too long");
             std::thread::sleep(Duration::from_millis(10));
         }
     }
@@ -162,27 +158,41 @@ mod tests {
     #[test]
     fn texts_reach_the_program_and_a_slow_one_delays_nobody() {
         let folder = tempfile::tempdir().expect("folder");
-        let said = folder.path().join("said");
-        let line = format!("sleep 0.3; echo \"$1\" >> '{}'", said.display());
-        let mut voice = Voice::by(program(folder.path(), &line), &[]).expect("a voice");
+        let [said, begun, gate] = ["said", "begun", "gate"].map(|name| folder.path().join(name));
+        // The program waits for the gate, at the longest two minutes: a window that waits for it finds a failed voice.
+        let line = format!(
+            "touch '{}'; n=0; until [ -e '{}' ]; do n=$((n + 1)); [ $n -lt 1200 ] || exit 1; sleep 0.1; done; \
+             echo \"$1\" >> '{}'",
+            begun.display(),
+            gate.display(),
+            said.display()
+        );
+        let mut voice = voice(&line);
         let begin = Instant::now();
         let at = |ms| begin + Duration::from_millis(ms);
         voice.follow(Some("Read the band."), at(0));
         voice.follow(Some("Read the band."), at(800));
+        waits_for(|| begun.exists());
+        // One text waits for the program, and a further one finds the voice busy.
         voice.follow(Some("Press a little more."), at(2000));
-        assert!(begin.elapsed() < Duration::from_millis(250), "it waited");
+        voice.follow(Some("Press a little more."), at(2800));
+        voice.follow(Some("Ease off."), at(2900));
+        voice.follow(Some("Ease off."), at(3700));
+        let waiting = voice.pace.spoken.as_deref();
+        assert_eq!(waiting, Some("Press a little more."));
         let read = || std::fs::read_to_string(&said).unwrap_or_default();
+        assert_eq!(read(), "", "the window waited");
+        std::fs::write(&gate, "").expect("a gate");
         // A text that finds the voice busy comes with a later picture.
         waits_for(|| {
-            voice.follow(Some("Press a little more."), at(2800));
-            read() == "Read the band.\nPress a little more.\n"
+            voice.follow(Some("Ease off."), at(3800));
+            read() == "Read the band.\nPress a little more.\nEase off.\n"
         });
     }
 
     #[test]
     fn a_program_that_fails_ends_the_voice() {
-        let folder = tempfile::tempdir().expect("folder");
-        let mut voice = Voice::by(program(folder.path(), "exit 3"), &[]).expect("a voice");
+        let mut voice = voice("exit 3");
         let begin = Instant::now();
         voice.follow(Some("a"), begin);
         voice.follow(Some("a"), begin + STANDS);

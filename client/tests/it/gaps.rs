@@ -1,8 +1,8 @@
 //! A session with a gap of the connection has the grade of the same session without the gap.
 //!
-//! A simulated hand performs a script in virtual time. The same motion is then run once more with a gap in the middle of
-//! a reading. In the gap the hand holds still, and the station goes on without it. A hand that feels the ramp behind the
-//! gap may move a little otherwise, so its score alone is compared.
+//! A simulated hand performs a script in virtual time. The same motion is then run once more with a gap in the middle
+//! of a reading. In the gap the hand holds still, and the station goes on without it. A hand that feels the ramp behind
+//! the gap may move a little otherwise, so its score alone is compared.
 #![allow(clippy::unwrap_used)]
 
 use std::path::{Path, PathBuf};

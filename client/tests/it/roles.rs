@@ -10,7 +10,7 @@ use crate::common::{Station, force_up, press, press_on, status_of};
 use sulcus_connection::instructor::{Heard, Instructor};
 use sulcus_connection::link::{Link, LinkConfig, LinkError};
 use sulcus_proto::control::{
-    ButtonEdge, Command, Event, InputBatch, Instruct, Instruction, LastTick, Show,
+    ButtonEdge, Command, EndReason, Event, InputBatch, Instruct, Instruction, LastTick, Show,
 };
 use sulcus_proto::permission::{self, Kind, may};
 use sulcus_proto::station::Phase;
@@ -55,24 +55,46 @@ fn watcher(station: &Station, role: Role) -> Instructor {
     Instructor::connect(config_of(station, role, role.name())).unwrap()
 }
 
-/// Outcome of a connection within a short time.
-async fn outcome(raw: &mut Raw) -> Outcome {
+/// Number of the instruction behind each message of the walk.
+const LAST: u64 = 99;
+
+/// Message with a known answer. The server answers in order, so that its answer without one before means silence.
+fn last(role: Role, station: &str) -> ClientMessage {
+    if role == Role::Student {
+        return ClientMessage::Stop;
+    }
+    ClientMessage::Instruct(Instruct {
+        number: LAST,
+        station: station.into(),
+        instruction: Instruction::Flag("last".into()),
+    })
+}
+
+/// First outcome on a connection. The end of the session counts as silence where `last` asks for it.
+async fn outcome(raw: &mut Raw, last: Option<&ClientMessage>) -> Outcome {
     let heard = async {
         while let Some(message) = raw.hear().await {
             match message {
                 ServerMessage::Refused(refused) => return Outcome::Dropped(refused.text),
+                ServerMessage::Answer(answer) if answer.number == LAST => return Outcome::Quiet,
                 ServerMessage::Answer(answer) if !answer.taken => {
                     return Outcome::Denied(answer.text);
                 }
                 ServerMessage::Answer(_) => return Outcome::Taken,
+                ServerMessage::Goodbye(goodbye)
+                    if last == Some(&ClientMessage::Stop)
+                        && goodbye.summary.end == EndReason::Stopped =>
+                {
+                    return Outcome::Quiet;
+                }
                 ServerMessage::Goodbye(_) => return Outcome::Ended,
                 _ => {}
             }
         }
         Outcome::Dropped(String::new())
     };
-    let outcome = tokio::time::timeout(Duration::from_millis(400), heard).await;
-    outcome.unwrap_or(Outcome::Quiet)
+    let outcome = tokio::time::timeout(Duration::from_secs(120), heard).await;
+    outcome.expect("an outcome")
 }
 
 #[derive(Debug, PartialEq)]
@@ -183,7 +205,11 @@ fn every_message_of_every_role_does_what_the_table_says_and_nothing_else() {
                         "{role}"
                     );
                     raw.say(&message).await;
-                    outcome(&mut raw).await
+                    let last = (message != ClientMessage::Stop).then(|| last(role, station));
+                    if let Some(last) = &last {
+                        raw.say(last).await;
+                    }
+                    outcome(&mut raw, last.as_ref()).await
                 });
                 let permitted = may(role, kind, own);
                 let said = format!("{role}, {station}, {message:?}: {outcome:?}");
@@ -252,7 +278,7 @@ fn a_pose_of_any_other_role_ends_its_connection_and_moves_nothing() {
             raw.hear().await;
             let pose = PoseDatagram::default().to_bytes().unwrap();
             raw.connection.send_datagram(pose.to_vec().into()).unwrap();
-            outcome(&mut raw).await
+            outcome(&mut raw, None).await
         });
         assert!(
             matches!(&outcome, Outcome::Dropped(text) if text.contains("datagrams")),

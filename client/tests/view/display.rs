@@ -1,11 +1,18 @@
 //! A virtual display: Xvfb, with xdotool as the person at it.
 
+use std::io::{BufRead, BufReader};
 use std::process::{Child, Command, Stdio};
-use std::sync::atomic::{AtomicU32, Ordering};
+use std::sync::mpsc::channel;
 use std::sync::{Mutex, MutexGuard, PoisonError};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use sulcus_screen::gpu::{Backend, Graphics};
+
+/// Xvfb on a free number. The server writes the number when clients may connect.
+const XVFB: &str =
+    "exec Xvfb -displayfd 3 -screen 0 1280x800x24 -nolisten tcp -noreset 3>&1 >/dev/null";
+/// Longest start of the server.
+const START: Duration = Duration::from_secs(120);
 
 /// Whether a graphics adapter is here; the error names the reason.
 pub fn adapter() -> Result<(), String> {
@@ -13,12 +20,12 @@ pub fn adapter() -> Result<(), String> {
     opened.map(|_| ()).map_err(|error| error.to_string())
 }
 
-/// Turn of a test that draws in software: one at a time.
+/// Turn of a test that draws in software or computes for seconds: one at a time.
 ///
-/// A window beside other drawing has frames of a second. Lengths of key presses are not known better than that.
+/// A window beside other heavy work has frames of a second.
 pub type Turn = MutexGuard<'static, ()>;
 
-/// Waits for the turn to draw.
+/// Waits for the turn.
 pub fn turn() -> Turn {
     static TURN: Mutex<()> = Mutex::new(());
     TURN.lock().unwrap_or_else(PoisonError::into_inner)
@@ -32,29 +39,36 @@ pub struct VirtualDisplay {
 }
 
 impl VirtualDisplay {
-    /// Starts a display with a number of its own, when no other test draws.
+    /// Starts a display on a free number, when no other test draws.
     pub fn start() -> Result<Self, String> {
-        static STARTED: AtomicU32 = AtomicU32::new(0);
         let turn = turn();
-        let number = STARTED.fetch_add(1, Ordering::Relaxed);
-        let name = format!(":{}", 100 + (4 * std::process::id() + number) % 30_000);
-        let server = Command::new("Xvfb")
-            .args([&name, "-screen", "0", "1280x800x24", "-nolisten", "tcp"])
-            .stdout(Stdio::null())
+        let mut server = Command::new("sh")
+            .args(["-c", XVFB])
+            .stdout(Stdio::piped())
             .stderr(Stdio::null())
             .spawn()
-            .map_err(|error| format!("Xvfb: {error}"))?;
-        let display = Self {
+            .map_err(|error| format!("sh: {error}"))?;
+        let stdout = server.stdout.take().expect("piped");
+        let mut display = Self {
             server,
-            name,
+            name: String::new(),
             _turn: turn,
         };
-        let begin = Instant::now();
-        while !display.answers()? {
-            if begin.elapsed() > Duration::from_secs(60) {
-                return Err("Xvfb does not answer".into());
-            }
-            std::thread::sleep(Duration::from_millis(50));
+        let (to, number) = channel();
+        std::thread::spawn(move || {
+            let mut line = String::new();
+            let _ = BufReader::new(stdout).read_line(&mut line);
+            let _ = to.send(line);
+        });
+        let number = number.recv_timeout(START).unwrap_or_default();
+        if number.trim().is_empty() {
+            return Err("Xvfb does not start".into());
+        }
+        display.name = format!(":{}", number.trim());
+        let asked = display.command(&["getmouselocation"]).output();
+        let asked = asked.map_err(|error| format!("xdotool: {error}"))?;
+        if !asked.status.success() {
+            return Err("Xvfb does not answer".into());
         }
         Ok(display)
     }
@@ -68,17 +82,6 @@ impl VirtualDisplay {
     pub fn kill(&mut self) {
         self.server.kill().expect("a running server");
         self.server.wait().expect("an ended server");
-    }
-
-    fn answers(&self) -> Result<bool, String> {
-        let asked = self
-            .command(&["getmouselocation"])
-            .stdout(Stdio::null())
-            .stderr(Stdio::null())
-            .status();
-        asked
-            .map(|status| status.success())
-            .map_err(|error| format!("xdotool: {error}"))
     }
 
     fn command(&self, arguments: &[&str]) -> Command {

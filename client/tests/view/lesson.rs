@@ -15,13 +15,16 @@ use sulcus_proto::datagram::WirePose;
 use sulcus_screen::first::{FirstLesson, Seen, Step};
 use sulcus_screen::moment::{Moment, ToolAt};
 
+use crate::display::{Turn, turn};
+
 /// Ticks between two pictures.
 const EVERY: u64 = 16;
 /// Ticks without a hand between two parts of the session.
 const AWAY: u64 = 400;
 
-/// Session of the lesson.
+/// Session of the lesson. A session computes for seconds, so that no window is open beside it.
 struct Session {
+    _turn: Turn,
     scene: std::sync::Arc<Scene>,
     display: Display,
     state: State,
@@ -32,10 +35,12 @@ struct Session {
 
 impl Session {
     fn new() -> Self {
+        let turn = turn();
         let asked = Asked::of(sulcus_demo::lesson::NAME);
         let prepared = exercise::prepare(&asked, &Steps).expect("prepared");
         let display = Display::new(&prepared.scene).expect("a display");
         Self {
+            _turn: turn,
             lesson: FirstLesson::new(display.scene()).expect("a pocket"),
             state: State::new(&prepared.scene),
             workspace: Workspace::new(&prepared.scene),

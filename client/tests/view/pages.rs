@@ -31,6 +31,7 @@ fn demo(folder: &Path, more: &[(&str, &str)]) -> (String, Value) {
 
 #[test]
 fn a_page_has_a_picture_with_a_sentence_for_each_finding() {
+    let _turn = display::turn();
     if Resource::Adapter.or_skip(display::adapter()).is_none() {
         return;
     }
@@ -51,6 +52,7 @@ fn a_page_has_a_picture_with_a_sentence_for_each_finding() {
 
 #[test]
 fn a_page_without_an_adapter_says_so_and_the_grade_is_there() {
+    let _turn = display::turn();
     let folder = tempfile::tempdir().expect("folder");
     let none = [
         ("VK_ICD_FILENAMES", "/nowhere"),

@@ -7,22 +7,36 @@ use serde_json::Value;
 use sulcus_support::Resource;
 
 use crate::display::{self, VirtualDisplay};
-use crate::{demo, opened, result, said};
+use crate::running::Running;
+use crate::{PROBING, demo, events, ready, recorded, result, said, until};
 
-/// Presses, ms: far from the border of 500 ms, because a window on a busy machine takes events late.
-const SHORT: u64 = 40;
-const LONG: u64 = 1500;
-const SHORT_SHORT_SHORT_LONG: [u64; 4] = [SHORT, SHORT, SHORT, LONG];
-/// Pause that ends a group, and pause between two presses, far below it.
-const REST: Duration = Duration::from_millis(1500);
-const BETWEEN: Duration = Duration::from_millis(60);
+/// Least length of a long press: thrice the border. A pedal counts at least half the time between the pictures with
+/// press and release.
+const HELD: Duration = Duration::from_millis(1500);
 
-/// Holds a key or a button for a time, and rests shortly. `kind` is `key` or `mouse`.
-fn hold(screen: &VirtualDisplay, kind: &str, name: &str, ms: u64) {
-    screen.tool(&[&format!("{kind}down"), name]);
-    std::thread::sleep(Duration::from_millis(ms));
-    screen.tool(&[&format!("{kind}up"), name]);
-    std::thread::sleep(BETWEEN);
+/// Pedal on a display: commands of xdotool for a press and for a release.
+struct Pedal<'a> {
+    screen: &'a VirtualDisplay,
+    down: [&'static str; 2],
+    up: [&'static str; 2],
+}
+
+impl Pedal<'_> {
+    /// Makes short presses, then long ones, in one group. Events between two long pauses reach the program at one time:
+    /// a press and its release are then a short press, and no pause within the group counts.
+    fn group(&self, program: &mut Running, short: usize, long: usize) {
+        let mut steps = [self.down, self.up].concat().repeat(short);
+        for _ in 0..long {
+            steps.extend(self.down);
+            program.at_once(self.screen, &steps);
+            // The program takes keys in their order: the press was taken when the view is chosen.
+            self.screen.tool(&["key", "F1"]);
+            program.hears("window act    View(Overview)");
+            std::thread::sleep(HELD);
+            steps = self.up.to_vec();
+        }
+        program.at_once(self.screen, &steps);
+    }
 }
 
 #[test]
@@ -55,33 +69,36 @@ fn a_pedal_alone_charts_and_the_recording_names_hand_rest_and_head() {
         "--close-at-end",
     ];
     let path = std::env::var("PATH").expect("folders of programs");
-    let child = demo(folder.path(), "probing", &more)
-        .env("DISPLAY", screen.name())
-        .env("PATH", format!("{}:{path}", folder.path().display()))
-        .spawn()
-        .expect("started");
-    let window = opened(&screen);
-    std::thread::sleep(Duration::from_secs(5));
-    screen.tool(&["windowfocus", &window]);
+    let mut program = Running::start(
+        demo(folder.path(), PROBING, &more)
+            .env("DISPLAY", screen.name())
+            .env("PATH", format!("{}:{path}", folder.path().display())),
+    );
+    ready(&screen, &mut program);
+    let heard = || std::fs::read_to_string(&spoken).unwrap_or_default();
+    until("voice", || heard().ends_with('\n').then_some(()));
+    let pedal = Pedal {
+        screen: &screen,
+        down: ["keydown", "F8"],
+        up: ["keyup", "F8"],
+    };
     // Three presses and a long one: 3 mm, confirmed.
-    for ms in SHORT_SHORT_SHORT_LONG {
-        hold(&screen, "key", "F8", ms);
-    }
-    std::thread::sleep(REST);
+    pedal.group(&mut program, 3, 1);
+    program.hears("window act    Reading(Count(3))");
+    program.hears("window act    Reading(Next)");
     // Bleeding by three long presses, and one that confirms: without a depth nothing is confirmed.
-    for presses in [3, 1] {
-        for _ in 0..presses {
-            hold(&screen, "key", "F8", LONG);
-        }
-        std::thread::sleep(REST);
-    }
-    for key in ["shift+Right", "shift+Up", "Right"] {
-        screen.tool(&["key", key]);
-        std::thread::sleep(Duration::from_millis(200));
-    }
-    std::thread::sleep(Duration::from_secs(1));
+    pedal.group(&mut program, 0, 3);
+    program.hears("window act    Reading(Bleeding)");
+    pedal.group(&mut program, 0, 1);
+    program.hears("window act    Reading(Next)");
+    screen.tool(&["key", "shift+Right", "shift+Up", "Right"]);
+    // An event that the session has not taken yet would end with the window.
+    recorded(folder.path(), |recording| {
+        let screens = events(recording, "screen").join(" ");
+        screens.matches("head_turn_deg").count() == 2
+    });
     screen.tool(&["key", "F10"]);
-    let output = child.wait_with_output().expect("ended");
+    let output = program.ended();
     let (json, told) = result(&output);
     assert_eq!(json["identical"], Value::Bool(true), "{json} {told}");
     let calls = said(&json, "reading_called");
@@ -98,12 +115,13 @@ fn a_pedal_alone_charts_and_the_recording_names_hand_rest_and_head() {
         assert!(screens.contains(event), "{event}: {screens}");
     }
     assert_eq!(screens.matches("head_turn_deg").count(), 2, "{screens}");
+    assert_eq!(told.matches("window act    Head(").count(), 2, "{told}");
     let path = json["recording"].as_str().expect("a recording");
     let recording = crate::recording(&json);
     let info = sulcus_sessions::info(std::path::Path::new(path), &recording).expect("sound");
     let line = "student    probe in the left hand, finger rest: tooth";
     assert!(info.to_string().contains(line), "{info}");
-    let spoken = std::fs::read_to_string(spoken).expect("the voice");
+    let spoken = heard();
     assert!(spoken.starts_with("Place the tip at "), "{spoken}");
 }
 
@@ -123,30 +141,29 @@ fn a_button_of_the_mouse_is_a_pedal_beside_the_keyboard() {
         "beside",
         "--close-at-end",
     ];
-    let child = demo(
-        folder.path(),
-        "probing",
-        &[&more[..], &["--duration", "24"]].concat(),
-    )
-    .env("DISPLAY", screen.name())
-    .spawn()
-    .expect("started");
-    let window = opened(&screen);
-    std::thread::sleep(Duration::from_secs(5));
-    screen.tool(&["windowfocus", &window]);
+    let mut program =
+        Running::start(demo(folder.path(), PROBING, &more).env("DISPLAY", screen.name()));
+    let window = ready(&screen, &mut program);
     screen.tool(&["mousemove", "--window", &window, "300", "300"]);
+    let pedal = Pedal {
+        screen: &screen,
+        down: ["mousedown", "2"],
+        up: ["mouseup", "2"],
+    };
     screen.tool(&["key", "7"]);
-    for _ in 0..2 {
-        hold(&screen, "mouse", "2", SHORT);
-    }
-    std::thread::sleep(REST);
-    hold(&screen, "mouse", "2", SHORT);
-    let output = child.wait_with_output().expect("ended");
-    let (json, told) = result(&output);
+    program.hears("window act    Reading(Digit(7))");
+    pedal.group(&mut program, 2, 0);
+    program.hears("window act    Reading(Bleeding)");
+    pedal.group(&mut program, 1, 0);
+    program.hears("window act    Reading(Next)");
+    recorded(folder.path(), |recording| {
+        !events(recording, "reading_called").is_empty()
+    });
+    program.interrupt();
+    let (json, told) = result(&program.ended());
     let calls = said(&json, "reading_called");
-    let ours: Vec<&String> = calls
-        .iter()
-        .filter(|call| call.contains(r#""depth_mm":7"#) && call.contains(r#""bleeding":true"#))
-        .collect();
-    assert_eq!(ours.len(), 1, "{calls:?} {told}");
+    let is_ours = calls.len() == 1
+        && calls[0].contains(r#""depth_mm":7"#)
+        && calls[0].contains(r#""bleeding":true"#);
+    assert!(is_ours, "{calls:?} {told}");
 }

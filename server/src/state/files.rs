@@ -11,8 +11,6 @@ use super::error::StateError;
 
 /// Permission bits of every file: the owner alone.
 const MODE: u32 = 0o600;
-/// Longest wait for a lock. Holders write one small file.
-const LOCK_WAIT: Duration = Duration::from_secs(5);
 
 /// Content of a private file of at most `most` bytes; `None` without a file.
 ///
@@ -197,12 +195,23 @@ pub(crate) struct Lock {
 }
 
 impl Lock {
-    /// Waits up to five seconds for the lock of the file `path`, which is created if missing.
+    /// Longest wait of a command for a lock. Holders write one small file.
+    pub(crate) const LONGEST: Duration = Duration::from_secs(5);
+
+    /// Waits up to [`Lock::LONGEST`] for the lock of the file `path`, which is created if missing.
     ///
     /// # Errors
     /// The file cannot be opened, or another process holds the lock all the time.
     pub(crate) fn wait(path: &Path) -> Result<Self, StateError> {
-        let end = Instant::now() + LOCK_WAIT;
+        Self::wait_for(path, Self::LONGEST)
+    }
+
+    /// The same with a longest wait of the caller.
+    ///
+    /// # Errors
+    /// The file cannot be opened, or another process holds the lock all the time.
+    pub(crate) fn wait_for(path: &Path, longest: Duration) -> Result<Self, StateError> {
+        let end = Instant::now() + longest;
         loop {
             match Self::attempt(path, "try again when the other command has ended") {
                 Err(StateError::Busy { .. }) if Instant::now() < end => {

@@ -24,6 +24,8 @@ fn a_restored_machine_admits_the_same_tickets_and_grades_an_old_session_to_the_s
         ticket.trim(),
         "--duration",
         "3",
+        "--tick",
+        "server",
     ];
     place.run(Program::Client, &hand).ok();
     // The server runs meanwhile.
@@ -67,6 +69,8 @@ fn a_restored_machine_admits_the_same_tickets_and_grades_an_old_session_to_the_s
         ticket.trim(),
         "--duration",
         "2",
+        "--tick",
+        "server",
     ];
     other.run(Program::Client, &hand).ok();
 

@@ -62,6 +62,8 @@ fn a_machine_is_ready_for_a_recorded_session_after_one_command() {
         rows[2][2],
         "--duration",
         "2",
+        "--tick",
+        "server",
     ];
     place.run(Program::Client, &hand).ok();
     assert_eq!(

@@ -3,7 +3,6 @@
 use std::io::{BufRead, BufReader};
 use std::path::Path;
 use std::process::{Command, Stdio};
-use std::time::Duration;
 
 use sulcus_tests::{Ended, Place, Program, Serving};
 
@@ -47,12 +46,12 @@ fn an_interrupted_demo_is_finished_signed_and_gradable() {
         .stderr(Stdio::piped())
         .spawn()
         .expect("the demo starts");
-    std::thread::sleep(Duration::from_secs(3));
+    place.begun("recordings");
     interrupt(demo.id());
     let ended = Ended::new(demo.wait_with_output().expect("it ends")).ok();
     let said = ended.json();
     let ticks = said["ticks"].as_u64().expect("ticks");
-    assert!((100..50_000).contains(&ticks), "{said}");
+    assert!((1..60_000).contains(&ticks), "{said}");
     assert_eq!(
         (&said["identical"], &said["gradable"]),
         (&true.into(), &true.into()),
@@ -62,12 +61,10 @@ fn an_interrupted_demo_is_finished_signed_and_gradable() {
 
 #[test]
 fn an_interrupted_client_lets_the_hand_go_before_it_leaves() {
-    Program::Client.path();
     let place = Place::new();
     let server = place.serve(&[]);
     let session = place.join(&server);
-    // Long enough to be in contact.
-    std::thread::sleep(Duration::from_secs(5));
+    place.touched();
     interrupt(session.id());
     let ended = Ended::new(session.wait_with_output().expect("it ends")).ok();
     let said = ended.json();
@@ -87,13 +84,12 @@ fn an_interrupted_client_lets_the_hand_go_before_it_leaves() {
 
 #[test]
 fn a_server_whose_terminal_hangs_up_leaves_a_finished_gradable_recording() {
-    let (server, _) = (Program::Server.path(), Program::Client.path());
     let place = Place::new();
     // (Where the tests run under `nohup`, hang-ups are ignored: not here.)
     let mut process = place
         .command(Path::new("env"))
         .arg("--default-signal=HUP")
-        .arg(server)
+        .arg(Program::Server.path())
         .args(["serve", "--listen", "127.0.0.1:0", "--json"])
         .stdout(Stdio::piped())
         .stderr(Stdio::piped())
@@ -114,7 +110,7 @@ fn a_server_whose_terminal_hangs_up_leaves_a_finished_gradable_recording() {
         process,
     };
     let session = place.join(&server);
-    std::thread::sleep(Duration::from_secs(3));
+    place.begun("recordings");
     send("-HUP", server.process.id());
     let ended = Ended::new(session.wait_with_output().expect("it ends"));
     let said = ended.json();

@@ -2,11 +2,12 @@
 
 use std::fs::{File, OpenOptions};
 use std::io::{BufRead, BufReader, Read as _};
-use std::process::{Child, ChildStdout, Command, Stdio};
+use std::net::{SocketAddr, UdpSocket};
+use std::process::{Child, ChildStderr, ChildStdout, Command, Stdio};
 use std::time::{Duration, Instant};
 
 use sulcus_sessions::{Ending, Recording};
-use sulcus_tests::{Ended, Place, Program, files_with};
+use sulcus_tests::{Ended, LIMIT, Place, Program, files_with};
 
 /// Commands of each program that print, whose work is short, and their exit codes.
 const COMMANDS: [(Program, &[&str], i32); 11] = [
@@ -151,15 +152,16 @@ fn first_line(stdout: &mut BufReader<ChildStdout>) -> serde_json::Value {
 
 fn session(place: &Place, address: &str) -> Ended {
     let run = ["run", "--server", address, "--token", "t"];
-    let more = ["--certificate", "server.der", "--duration", "1", "--json"];
-    place.run(Program::Client, &[&run[..], &more].concat())
+    let more = ["--certificate", "server.der", "--duration", "1"];
+    let last = ["--tick", "server", "--json"];
+    place.run(Program::Client, &[&run[..], &more, &last].concat())
 }
 
 fn stop(mut server: Child) -> i32 {
     let kill = Command::new("kill").arg(server.id().to_string()).status();
     assert!(kill.expect("kill").success());
-    let patience = Instant::now() + Duration::from_secs(30);
-    while Instant::now() < patience {
+    let began = Instant::now();
+    while began.elapsed() < LIMIT {
         if let Some(status) = server.try_wait().expect("waits") {
             return status.code().unwrap_or(-1);
         }
@@ -187,7 +189,7 @@ fn a_station_whose_log_pipe_closes_keeps_ticking_and_recording() {
         let ended = session(&place, address).ok().json();
         assert_eq!(ended["session"]["complete"], true, "{ended}");
         let ticks = ended["session"]["ticks"].as_u64().expect("ticks");
-        assert!(ticks > 500, "{ended}");
+        assert!(ticks > 0, "{ended}");
         let files = files_with(&place.path("recordings"), "mcap");
         assert_eq!(files.len(), session_number);
     }
@@ -198,27 +200,40 @@ fn a_station_whose_log_pipe_closes_keeps_ticking_and_recording() {
     }
 }
 
+/// A server whose output is on a full disk, after it has said so; its named address, and its log, which stays open.
+///
+/// The port was free a moment ago. Another process may take it before the server does: then another port is tried.
+fn serve_on_a_full_disk(place: &Place) -> (Child, SocketAddr, BufReader<ChildStderr>) {
+    for _ in 0..20 {
+        let free = UdpSocket::bind("127.0.0.1:0").and_then(|socket| socket.local_addr());
+        let address = free.expect("a port");
+        let mut server = place
+            .command(Program::Server.path())
+            .args(["serve", "--listen", &address.to_string()])
+            .args(["--token", "t", "--certificate-out", "server.der"])
+            .stdout(full())
+            .stderr(Stdio::piped())
+            .spawn()
+            .expect("the server starts");
+        let mut stderr = BufReader::new(server.stderr.take().expect("piped"));
+        let mut told = String::new();
+        while stderr.read_line(&mut told).expect("a line") > 0 {
+            if told.contains("cannot write to standard output") {
+                return (server, address, stderr);
+            }
+        }
+        server.wait().expect("it ends");
+        assert!(told.contains(&address.to_string()), "{told}");
+    }
+    panic!("no port stays free");
+}
+
 /// Nobody can read the address then, but a port may have been named, and the sessions are worth more than a line.
 #[test]
 fn a_station_whose_output_is_on_a_full_disk_serves_and_says_so_at_the_end() {
     let place = Place::new();
-    let port = std::net::UdpSocket::bind("127.0.0.1:0")
-        .and_then(|socket| socket.local_addr())
-        .expect("a port");
-    let mut server = place
-        .command(Program::Server.path())
-        .args(["serve", "--listen", &port.to_string()])
-        .args(["--token", "t", "--certificate-out", "server.der"])
-        .stdout(full())
-        .stderr(Stdio::piped())
-        .spawn()
-        .expect("the server starts");
-    let mut stderr = BufReader::new(server.stderr.take().expect("piped"));
-    let mut told = String::new();
-    while !told.contains("cannot write to standard output") {
-        assert!(stderr.read_line(&mut told).expect("a line") > 0, "{told}");
-    }
-    let ended = session(&place, &port.to_string()).ok().json();
+    let (server, address, _stderr) = serve_on_a_full_disk(&place);
+    let ended = session(&place, &address.to_string()).ok().json();
     assert_eq!(ended["session"]["complete"], true, "{ended}");
     assert_eq!(stop(server), 2);
 }

@@ -7,7 +7,7 @@ use std::time::{Duration, Instant, SystemTime};
 
 use sulcus_sessions::record::statement::SessionEnd;
 use sulcus_sessions::{Mode, Recorder, SessionHeader, StationKey};
-use sulcus_tests::{Ended, Place, Program, Serving, files_with, page};
+use sulcus_tests::{Ended, LIMIT, Place, Program, Serving, files_with, page};
 
 /// Runs a command of the server; words are split at blanks.
 fn run(place: &Place, line: &str) -> Ended {
@@ -60,7 +60,7 @@ fn hand(place: &Place, server: &Serving, ticket: &str, seconds: &str) -> std::pr
 fn wait_for(folder: &Path, count: usize) {
     let begin = Instant::now();
     while files_with(folder, "mcap").len() < count {
-        assert!(begin.elapsed() < Duration::from_secs(60), "no session");
+        assert!(begin.elapsed() < LIMIT, "no session");
         std::thread::sleep(Duration::from_millis(20));
     }
 }
@@ -115,10 +115,7 @@ fn a_year_ends_with_its_tickets_and_codes_and_loses_no_result_and_no_name() {
     // The status of the station follows the end of the session.
     let begin = Instant::now();
     while run(&place, "rollover --all --dry-run").code != 0 {
-        assert!(
-            begin.elapsed() < Duration::from_secs(20),
-            "the session goes on"
-        );
+        assert!(begin.elapsed() < LIMIT, "the session goes on");
     }
 
     // A dry run changes no byte, also while the server runs.
@@ -320,10 +317,7 @@ fn a_session_beyond_the_quota_is_refused_and_the_running_one_is_complete() {
     // The rest of the first forecast is free again.
     let begin = Instant::now();
     while second("1").code != 0 {
-        assert!(
-            begin.elapsed() < Duration::from_secs(20),
-            "no room after the end"
-        );
+        assert!(begin.elapsed() < LIMIT, "no room after the end");
     }
     assert_eq!(files_with(&place.path("recordings"), "mcap").len(), 2);
     let bad = stations.replace("0.007", "0");

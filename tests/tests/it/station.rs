@@ -1,6 +1,11 @@
 //! What a station offers: an exercise with its scene and rubric, so that what it records can be graded.
 
+use std::io::Write as _;
+use std::process::Stdio;
+
 use sulcus_tests::{Ended, Place, Program, Serving};
+
+use crate::viewers::{lines, send, until};
 
 fn join(place: &Place, server: &Serving, more: &[&str]) -> Ended {
     place.perform(server, &[&["--duration", "3"], more].concat())
@@ -131,20 +136,30 @@ fn an_exercise_that_a_scene_has_nothing_for_is_named() {
 fn what_a_person_types_is_called() {
     let place = Place::new();
     let server = place.serve(&["--exercise", "probing"]);
-    let typed = "36 MB 5 -2 b\nnonsense\n36 b 3 nb f1\n";
-    let ended = place.perform_typing(
-        &server,
-        &[
-            "--exercise",
-            "probing",
-            "--duration",
-            "3",
-            "--readings",
-            "--learner",
-            "a7f3",
-        ],
-        typed,
-    );
+    let mut client = place
+        .command(Program::Client.path())
+        .args(["run", "--server", &server.address])
+        .args(["--ticket", &server.ticket, "--exercise", "probing"])
+        .args(["--readings", "--learner", "a7f3", "--tick", "server"])
+        .args(["--duration", "600", "--json"])
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .expect("the client starts");
+    let mut typed = client.stdin.take().expect("piped");
+    typed
+        .write_all(b"36 MB 5 -2 b\nnonsense\n36 b 3 nb f1\n")
+        .expect("it reads");
+    drop(typed);
+    let file = place.begun("recordings");
+    until(&file, "two called readings", |recording| {
+        let lines = lines(recording);
+        let calls = lines.iter().filter(|line| line.starts_with("reading"));
+        calls.count() == 2
+    });
+    send("-INT", &client);
+    let ended = Ended::new(client.wait_with_output().expect("it ends"));
     assert!(
         ended.stderr.contains("not taken: the site is missing"),
         "{ended:#?}"

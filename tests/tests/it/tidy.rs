@@ -197,3 +197,51 @@ fn every_reworded_folder_is_there() {
         assert!(Path::new(&root().join(folder)).exists(), "{folder}");
     }
 }
+
+/// Names of the workspace's packages.
+fn packages() -> Vec<String> {
+    let text = std::fs::read_to_string(root().join("Cargo.toml")).expect("the workspace");
+    let members = text.split("members = [").nth(1).expect("members");
+    let members = members.split(']').next().expect("members");
+    let package = |folder: &str| {
+        let text = std::fs::read_to_string(root().join(folder).join("Cargo.toml")).expect(folder);
+        let name = text.lines().find_map(|line| line.strip_prefix("name = \""));
+        name.expect("a name").trim_end_matches('"').to_owned()
+    };
+    members.split('"').skip(1).step_by(2).map(package).collect()
+}
+
+#[test]
+fn the_checks_have_an_exit_code_for_each_crate() {
+    let script = std::fs::read_to_string(root().join(".ci/run")).expect("the script");
+    let rows = script.split("CRATES=(").nth(1).expect("the rows");
+    let rows = rows.split(')').next().expect("the rows");
+    let rows: Vec<&str> = rows.split_whitespace().collect();
+    assert!(rows.is_sorted() && rows.len() < 29, "{rows:?}");
+    let mut packages = packages();
+    packages.sort();
+    assert_eq!(rows, packages);
+}
+
+#[test]
+fn the_quarantine_names_at_most_forty_tests_that_exist() {
+    let text = std::fs::read_to_string(root().join("tests/quarantine.txt")).expect("the file");
+    let rows = text
+        .lines()
+        .map(|line| line.split('#').next().unwrap_or_default().trim());
+    let rows: Vec<&str> = rows.filter(|row| !row.is_empty()).collect();
+    assert!(rows.len() <= 40, "{} tests", rows.len());
+    let mut sources = String::new();
+    for member in MEMBERS {
+        walk(&root().join(member), &mut |_, source| sources += source);
+    }
+    let packages = packages();
+    for row in rows {
+        let [package, _, test] = row.split(' ').collect::<Vec<_>>()[..] else {
+            panic!("`{row}`, expected a package, a target and a test");
+        };
+        assert!(packages.iter().any(|one| one == package), "{row}");
+        let name = test.rsplit("::").next().expect("a name");
+        assert!(sources.contains(&format!("fn {name}(")), "{row}");
+    }
+}

@@ -137,6 +137,8 @@ fn hash_of(name: &str) -> Option<SceneHash> {
 
 #[cfg(test)]
 mod tests {
+    use std::time::{Duration, SystemTime};
+
     use super::*;
 
     fn cache() -> (tempfile::TempDir, Cache) {
@@ -177,10 +179,14 @@ mod tests {
         let first = SceneHash::of(&[0]);
         for k in 0..SCENES as u8 {
             cache.store(&[k]).expect("stored");
-            std::thread::sleep(std::time::Duration::from_millis(5));
+            // Times of use in the order of the numbers, whatever the resolution of the file system.
+            let ago = Duration::from_secs(100 - u64::from(k));
+            let path = cache.path(&SceneHash::of(&[k]));
+            let file = std::fs::File::options().append(true).open(path);
+            let set = file.and_then(|file| file.set_modified(SystemTime::now() - ago));
+            set.expect("the time of a file");
         }
         assert!(cache.load(&first).is_some());
-        std::thread::sleep(std::time::Duration::from_millis(5));
         cache.store(b"one more").expect("stored");
         let known = cache.known();
         assert_eq!(known.len(), SCENES);

@@ -108,6 +108,6 @@ mod long {
             return;
         }
         // An attempt to return that began in the outage takes up to three seconds more.
-        super::super::outage(20_000, 6000);
+        super::super::outage(20_000);
     }
 }

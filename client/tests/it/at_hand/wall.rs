@@ -27,18 +27,28 @@ struct Felt {
     off_n: f64,
 }
 
-/// Motion across the wall from `began_ns` on. `felt` performs the pass of a millisecond with the ball at a height, metres,
-/// and gives the force at the hand. Passes for which the machine is too busy are left out, as those of a device are.
+/// Number of samples in the contact that make a slope.
+const SAMPLES: usize = 1200;
+
+/// Number of passes in a row, one in each millisecond, behind which a sample counts. A pass after a stall of the machine
+/// compares the force of the depth before the stall with the depth after it.
+const IN_A_ROW: u64 = 5;
+
+/// Motion across the wall from `began_ns` on, until there are [`SAMPLES`]. `felt` performs the pass of a millisecond with
+/// the ball at a height, metres, and gives the force at the hand. Passes for which the machine is too busy are skipped, as
+/// a device skips them.
 fn across(amplitude_mm: f64, began_ns: u64, mut felt: impl FnMut(u64, f64) -> f64) -> Felt {
     let mut pairs = Vec::new();
-    let mut next = 0;
-    while next < 4000 {
+    let (mut next, mut in_a_row) = (0, 0);
+    while pairs.len() < SAMPLES {
+        assert!(next < 90_000, "{} samples in 90 s", pairs.len());
         let ms = next.max(now_ns().saturating_sub(began_ns) / 1_000_000);
+        in_a_row = if ms == next { in_a_row + 1 } else { 0 };
         next = ms + 1;
         let depth = depth(ms, amplitude_mm);
         let force = felt(ms, WALL - depth);
         // The first second brings the tool from its park to the wall.
-        if ms >= 1000 && depth > 0.1 * amplitude_mm * 1e-3 {
+        if ms >= 1000 && in_a_row > IN_A_ROW && depth > 0.1 * amplitude_mm * 1e-3 {
             pairs.push((depth, force));
         }
     }

@@ -5,6 +5,7 @@ pub mod raw;
 
 use std::path::PathBuf;
 use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use sulcus_connection::link::{Link, LinkConfig, LinkError, PosePacket, now_ns};
@@ -17,6 +18,27 @@ use tempfile::TempDir;
 
 /// Radius of every sphere, metres.
 pub const RADIUS: f64 = 1e-3;
+
+/// Limit of every wait for a condition, far beyond the time that a busy machine needs.
+pub const PATIENCE: Duration = Duration::from_secs(120);
+
+/// Waits until a condition holds.
+pub fn until(what: &str, mut holds: impl FnMut() -> bool) {
+    let begun = Instant::now();
+    while !holds() {
+        assert!(begun.elapsed() < PATIENCE, "waited in vain for {what}");
+        std::thread::sleep(Duration::from_millis(5));
+    }
+}
+
+/// Flag that is raised at the end of a scope, also after a panic: a thread that waits for the flag then ends.
+pub struct Raised<'a>(pub &'a AtomicBool);
+
+impl Drop for Raised<'_> {
+    fn drop(&mut self) {
+        self.0.store(true, Ordering::Relaxed);
+    }
+}
 
 /// A ball over a plate of balls, level with z = 0.
 pub fn scene() -> Scene {
@@ -101,7 +123,11 @@ impl Station {
     }
 
     pub fn config(&self) -> LinkConfig {
-        LinkConfig::new(self.server().local_addr(), self.server().ticket(), "test")
+        let server = self.server();
+        LinkConfig {
+            timeout: PATIENCE,
+            ..LinkConfig::new(server.local_addr(), server.ticket(), "test")
+        }
     }
 
     pub fn connect(&self) -> Result<Link, LinkError> {
@@ -132,7 +158,7 @@ pub fn pose(height: f64) -> PosePacket {
 
 /// Sends poses at about 1 kHz, coming down from 12 mm to press 1 mm deep, until `done` says so.
 pub fn press(link: &mut Link, mut done: impl FnMut(&mut Link, u64) -> bool) {
-    let patience = Instant::now() + Duration::from_secs(60);
+    let begun = Instant::now();
     for k in 0.. {
         let height = (0.012 - 2e-5 * k as f64).max(0.001);
         link.send_pose(&pose(height));
@@ -140,7 +166,7 @@ pub fn press(link: &mut Link, mut done: impl FnMut(&mut Link, u64) -> bool) {
             return;
         }
         assert!(
-            Instant::now() < patience,
+            begun.elapsed() < PATIENCE,
             "waited in vain after {k} poses: {:?}",
             link.stats()
         );
@@ -156,24 +182,44 @@ pub fn force_up(link: &mut Link) -> f32 {
 
 /// Poses of a hand that stays pressed, until `done`.
 pub fn press_on(link: &mut Link, mut done: impl FnMut(&mut Link) -> bool) {
-    for _ in 0..20_000 {
+    let begun = Instant::now();
+    loop {
         link.send_pose(&pose(0.001));
         if done(link) {
             return;
         }
+        assert!(
+            begun.elapsed() < PATIENCE,
+            "waited in vain: {:?}, {:?}",
+            link.latest_wrench(),
+            link.stats()
+        );
         std::thread::sleep(Duration::from_millis(1));
     }
-    panic!(
-        "waited in vain: {:?}, {:?}",
-        link.latest_wrench(),
-        link.stats()
-    );
 }
 
 /// Status bits of the newest wrench.
 pub fn status_of(link: &mut Link) -> u16 {
     link.latest_wrench()
         .map_or(0, |packet| packet.datagram.tools[0].status)
+}
+
+/// Session epoch of the newest wrench; 0 before the first one.
+pub fn epoch_of(link: &mut Link) -> u32 {
+    link.latest_wrench()
+        .map_or(0, |packet| packet.datagram.epoch)
+}
+
+/// Tick of the newest wrench on the grid of the server's clock; 0 before the first one.
+pub fn tick_of(link: &mut Link) -> u64 {
+    link.latest_wrench()
+        .map_or(0, |packet| packet.datagram.tick)
+}
+
+/// Points of the clock's grid in some rows of a recording: each tick with the points that were skipped before it.
+pub fn points<'a>(rows: impl IntoIterator<Item = &'a Row>) -> u64 {
+    let of = |row: &Row| 1 + u64::from(row.input.skipped);
+    rows.into_iter().map(of).sum()
 }
 
 /// All rows and occurrences of a recording.

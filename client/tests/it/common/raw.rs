@@ -10,7 +10,7 @@ use sulcus_proto::control::ClientHello;
 use sulcus_proto::frame::{self, LENGTH_BYTES};
 use sulcus_proto::{ClientMessage, Role, ServerMessage};
 
-use super::Station;
+use super::{PATIENCE, Station};
 
 /// A connection with an open control stream.
 pub struct Raw {
@@ -93,7 +93,7 @@ impl Raw {
         tokio::time::timeout(limit, self.hear()).await.ok()?
     }
 
-    /// Text of the refusal that ends the connection, within ten seconds.
+    /// Text of the refusal that ends the connection, within [`PATIENCE`].
     pub async fn refusal(recv: &mut RecvStream) -> Option<String> {
         let heard = async {
             while let Some(message) = read(recv).await {
@@ -103,9 +103,7 @@ impl Raw {
             }
             None
         };
-        tokio::time::timeout(Duration::from_secs(10), heard)
-            .await
-            .ok()?
+        tokio::time::timeout(PATIENCE, heard).await.ok()?
     }
 }
 

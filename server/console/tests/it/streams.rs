@@ -9,8 +9,8 @@ use sulcus_proto::station::StationEvent;
 
 use crate::house::{Fake, request, router, run, send, sign_in, status, text};
 
-/// Time in which anything of a test must happen.
-const SOON: Duration = Duration::from_secs(20);
+/// Longest wait for a condition.
+const SOON: Duration = Duration::from_secs(120);
 
 /// Text of a stream until it contains `wanted`.
 async fn until(answer: &mut Reader, wanted: &str) -> String {

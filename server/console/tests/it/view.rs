@@ -21,8 +21,8 @@ use tokio::sync::{broadcast, watch};
 
 use crate::house::{Fake, request, router, router_of, run, send, sign_in, text};
 
-/// Time in which anything of a test must happen.
-const SOON: Duration = Duration::from_secs(20);
+/// Longest wait for a condition.
+const SOON: Duration = Duration::from_secs(120);
 
 /// Streams and pictures of a test's server.
 pub struct Views {
@@ -168,6 +168,20 @@ async fn in_time(what: &str, holds: impl Fn() -> bool) {
     let begin = Instant::now();
     while !holds() {
         assert!(begin.elapsed() < SOON, "{what}");
+        tokio::time::sleep(Duration::from_millis(5)).await;
+    }
+}
+
+/// Waits until pages see this recording at station `a`.
+async fn shown(router: &Router, cookie: &str, recording: &str) {
+    let begin = Instant::now();
+    loop {
+        let told = text(get(router, "/api/stations", Some(cookie)).await).await;
+        let told: serde_json::Value = serde_json::from_str(&told).unwrap();
+        if told["stations"][0]["status"]["recording"] == recording {
+            return;
+        }
+        assert!(begin.elapsed() < SOON, "{told}");
         tokio::time::sleep(Duration::from_millis(5)).await;
     }
 }
@@ -476,9 +490,9 @@ fn the_chart_holds_the_last_called_depth_of_each_site_of_this_session() {
         house.behind[0]
             .status
             .send_modify(|status| status.recording = "1.mcap".into());
-        tokio::time::sleep(Duration::from_millis(20)).await;
-        // More than a page's list of last events holds.
-        for k in 0..70 {
+        shown(&router, &cookie, "1.mcap").await;
+        // More than a page's list of last events holds; the last one is at a site of its own.
+        for k in 0..69 {
             let (site, depth) = if k < 68 {
                 ("buccal", k % 9)
             } else {
@@ -512,7 +526,7 @@ fn the_chart_holds_the_last_called_depth_of_each_site_of_this_session() {
         house.behind[0]
             .status
             .send_modify(|status| status.recording = "2.mcap".into());
-        tokio::time::sleep(Duration::from_millis(50)).await;
+        shown(&router, &cookie, "2.mcap").await;
         assert!(
             chart().await.contains(r#""called":[]"#),
             "of another session"

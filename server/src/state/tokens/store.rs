@@ -1,5 +1,7 @@
 //! File of the tokens: added, listed and revoked by commands, under a lock.
 
+use std::time::Duration;
+
 use serde::{Deserialize, Serialize};
 use sulcus_proto::hex::hex;
 
@@ -32,6 +34,8 @@ struct Stored {
 #[derive(Clone, Debug)]
 pub struct TokenStore {
     folder: StateFolder,
+    /// Longest wait for the lock of the file.
+    lock_wait: Duration,
 }
 
 impl TokenStore {
@@ -39,6 +43,7 @@ impl TokenStore {
     pub fn of(folder: &StateFolder) -> Self {
         Self {
             folder: folder.clone(),
+            lock_wait: Lock::LONGEST,
         }
     }
 
@@ -105,7 +110,7 @@ impl TokenStore {
         change: impl FnOnce(&mut Vec<TokenRecord>) -> Result<R, StateError>,
     ) -> Result<R, StateError> {
         let path = self.folder.file(FILE);
-        let _lock = Lock::wait(&self.folder.file("tokens.lock"))?;
+        let _lock = Lock::wait_for(&self.folder.file("tokens.lock"), self.lock_wait)?;
         let mut tokens = self.list()?;
         tokens.retain(|token| {
             let end = token.revoked_unix_s.unwrap_or(token.expires_unix_s);
@@ -312,6 +317,11 @@ mod tests {
     #[test]
     fn two_writers_at_once_lose_no_token() {
         let (_place, store) = store();
+        // Each of the twenty writes waits for the disk, and the others wait for it.
+        let store = TokenStore {
+            lock_wait: Duration::from_secs(120),
+            ..store
+        };
         std::thread::scope(|scope| {
             for k in 0..4 {
                 let store = &store;

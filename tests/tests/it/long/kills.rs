@@ -5,7 +5,7 @@ use sulcus_support::long;
 use crate::kills::kill;
 
 #[test]
-fn twenty_kills_lose_at_most_a_fifth_of_a_second_each() {
+fn after_each_of_twenty_kills_the_recording_recovers_and_replays() {
     if long::selected("twenty-kills") {
         kill(0..20);
     }

@@ -1,5 +1,6 @@
 //! Python packages for a test, in an environment of its own that is kept for the next run.
 
+use std::fs::File;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
@@ -13,6 +14,9 @@ pub fn environment(name: &str, packages: &[&str]) -> Option<PathBuf> {
 fn made(name: &str, packages: &[&str]) -> Result<PathBuf, String> {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("venv-{name}"));
     let (programs, ready) = (folder.join("bin"), folder.join("ready"));
+    // Two tests with one environment make it once.
+    let lock = File::create(folder.with_extension("lock")).expect("the folder is writable");
+    lock.lock().expect("a lock");
     let wanted = packages.join(" ");
     if std::fs::read_to_string(&ready).is_ok_and(|there| there == wanted) {
         return Ok(programs);
