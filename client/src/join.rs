@@ -88,6 +88,7 @@ pub fn run_at(args: &RunArgs, seat: Seat<'_>) -> anyhow::Result<u8> {
             prepared.scene.name
         );
     }
+    let periods = prepared.periods(args.duration, !is_simulated);
     let device: Box<dyn EventDevice> = match (opened, recorded) {
         (Some(opened), _) => Box::new(opened.begin(hello, Some(lines()?))?),
         (None, Some(recorded)) => Box::new(Playback::new(recorded)),
@@ -109,7 +110,7 @@ pub fn run_at(args: &RunArgs, seat: Seat<'_>) -> anyhow::Result<u8> {
     };
     let mode = link.hello().plan.mode.clone();
     let hand = HandTicker::on(&link, &prepared.scene)?;
-    let ran = perform(link, device, prepared.ticks, None, hand, &steps)?;
+    let ran = perform(link, device, periods, None, hand, &steps)?;
     if let Some(screen) = seat.filter(|_| ran.goodbye.is_ok()) {
         (screen.ended)(&Ending::Elsewhere(&mode));
     }

@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 use sulcus_link::schedule::may_fifo;
 use sulcus_sessions::{Ending, Recording};
 use sulcus_support::Resource;
-use sulcus_tests::{Image, LIMIT, Place, Program};
+use sulcus_tests::{Image, LIMIT, Place, Program, signal};
 
 /// Largest size of the unpacked image with the console, megabytes, of the programs of the tests: these are half as large
 /// again as those of a release, whose limit of 80 `docker/release` checks.
@@ -101,9 +101,7 @@ fn a_session_of_a_client_outside_is_recorded_graded_and_found_after_the_end() {
     }
 
     let began = Instant::now();
-    let pid = server.process.id().to_string();
-    let told = Command::new("kill").args(["-TERM", &pid]).status();
-    assert!(told.expect("kill").success());
+    signal("-TERM", &server.process);
     let ended = server.process.wait().expect("it ends");
     eprintln!("SIGTERM to the end: {:.1} s", began.elapsed().as_secs_f64());
     assert!(ended.success(), "{ended}");

@@ -35,7 +35,7 @@ use sulcus_screen::stage::{Owner, Stage};
 use sulcus_screen::views::View;
 use sulcus_support::Resource;
 use sulcus_tests::page::{self, Page};
-use sulcus_tests::{Ended, Image, Place, Program, files_with};
+use sulcus_tests::{Ended, Image, Place, Program, files_with, signal};
 
 use arm::Arm;
 
@@ -514,10 +514,7 @@ fn a_class_hour() {
     let read = |name: &str| std::fs::read(class.place.path(name)).expect("a certificate");
     assert_eq!(read("server.der"), read("new.der"));
 
-    let stopped = std::process::Command::new("kill")
-        .args(["-TERM", &server.process.id().to_string()])
-        .status();
-    assert!(stopped.expect("kill runs").success());
+    signal("-TERM", &server.process);
     assert!(server.process.wait().expect("it ends").success());
 
     let graphics = Graphics::headless(Backend::Any).map_err(|error| error.to_string());

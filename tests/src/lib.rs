@@ -192,6 +192,14 @@ pub fn files_with(folder: &Path, extension: &str) -> Vec<PathBuf> {
     found
 }
 
+/// Sends a signal to a process: `-INT`, as Ctrl-C does, `-TERM`, `-HUP` or `-STOP`.
+pub fn signal(name: &str, process: &Child) {
+    let sent = Command::new("kill")
+        .args([name, &process.id().to_string()])
+        .status();
+    assert!(sent.expect("kill runs").success());
+}
+
 /// How a program ended.
 #[derive(Debug)]
 pub struct Ended {

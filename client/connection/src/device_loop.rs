@@ -68,7 +68,7 @@ pub fn run_with_ticks(
         device_loop.pass(link, device, now_ns());
         done.store(device_loop.report.periods, Ordering::Relaxed);
     }
-    device_loop.end()
+    device_loop.end(link, device)
 }
 
 /// State of a device's loop between two passes.
@@ -182,8 +182,14 @@ impl DeviceLoop {
         !(self.over || has_ended)
     }
 
-    /// Report of the ended loop.
-    pub fn end(mut self) -> (LoopReport, Option<HandTicker>) {
+    /// Sends the last events of the device, and gives the report of the ended loop.
+    pub fn end(
+        mut self,
+        link: &mut Link,
+        device: &mut dyn EventDevice,
+    ) -> (LoopReport, Option<HandTicker>) {
+        // A person may have called a depth and left the session after the last pass.
+        self.send_events(link, device);
         let mut report = self.report;
         let of_merged = self
             .merged
@@ -207,6 +213,16 @@ impl DeviceLoop {
         report.pose_age_us = self.ages.each_ref().map(Times::percentiles);
         report.hand_age_us = self.hand_ages.percentiles();
         (report, self.hand.take())
+    }
+
+    /// Sends the waiting events of the device. The link refuses an event if it has ended, which the loop detects, or if
+    /// its message queue is full.
+    fn send_events(&self, link: &mut Link, device: &mut dyn EventDevice) {
+        let tick = self.report.last_tick;
+        for DeviceEvent { kind, json } in device.events() {
+            let kind = kind.into();
+            let _ = link.event(Event { tick, kind, json });
+        }
     }
 
     /// Performs a pass of the loop. `now` is the present time by [`now_ns`], at or after [`DeviceLoop::next_ns`].
@@ -286,12 +302,8 @@ impl DeviceLoop {
         self.hands = input
             .tools
             .map(|tool| drawn(&tool.pose).filter(|_| tool.present));
+        self.send_events(link, device);
         let report = &mut self.report;
-        for DeviceEvent { kind, json } in device.events() {
-            let (tick, kind) = (report.last_tick, kind.into());
-            // Refused if the link has ended, which the loop detects, or if its message queue is full.
-            let _ = link.event(Event { tick, kind, json });
-        }
         let every = (PHASE_NS / period_ns).max(1);
         if let Some(phase) = self.phase
             && report.periods / every != before / every

@@ -110,11 +110,12 @@ pub fn carry_all<D: EventDevice>(
                 if device_loop.next_ns() <= now {
                     device_loop.pass(&mut part.link, &mut part.device, now);
                 }
-            } else if let Some((part, device_loop)) = place.take() {
+            } else if let Some((mut part, device_loop)) = place.take() {
                 // On this thread: a thread without real-time priority could keep the lock from the network's.
                 let stats = part.link.stats();
+                let ran = device_loop.end(&mut part.link, &mut part.device);
                 // The goodbye takes as long as the server needs to sign a recording.
-                let end = move || finish(part.link, stats, device_loop.end());
+                let end = move || finish(part.link, stats, ran);
                 let thread = std::thread::Builder::new().name("sulcus-end".into());
                 *ending = Some(thread.spawn(end)?);
             }

@@ -14,8 +14,8 @@ pub struct DemoArgs {
     /// Run without sockets and without a clock, faster than real time
     #[arg(long = "virtual")]
     pub virtual_time: bool,
-    /// Length of the session, seconds, 0.1 to 86400. Default: the length of the exercise. A hard case ignores this
-    /// option
+    /// Length of the session, seconds, 0.1 to 86400. Default: the simulated operator's own length; a person leaves. A
+    /// hard case ignores this option
     #[arg(long, value_name = "S", value_parser = seconds)]
     pub duration: Option<f64>,
     /// Exercise: a name of `--list-exercises`, an exercise file that ends in .toml, or a hard case as `hard/NAME`

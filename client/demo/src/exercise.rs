@@ -63,6 +63,9 @@ impl<'a> Asked<'a> {
     }
 }
 
+/// Longest session of a person, seconds.
+const DAY_S: f64 = 86_400.0;
+
 /// An exercise ready to run.
 pub struct Prepared {
     /// Exercise with the length of this session.
@@ -93,6 +96,17 @@ impl Prepared {
     /// BLAKE3 of the compiled scene, as in the hello of a server.
     pub fn scene_hash(&self) -> [u8; 32] {
         *blake3::hash(&self.scene_bytes).as_bytes()
+    }
+
+    /// Number of ticks of a live session with a length of `asked_s` seconds, if a length was asked for. Else a person
+    /// has a day, because the person or the server's time limit ends the session. The simulated operator has its own
+    /// length.
+    pub fn periods(&self, asked_s: Option<f64>, is_person: bool) -> u64 {
+        let length_s = asked_s.or(is_person.then_some(DAY_S));
+        match length_s.filter(|_| self.case.is_none()) {
+            Some(length_s) => (length_s * (1.0 / self.scene.tick_s())) as u64,
+            None => self.ticks,
+        }
     }
 
     /// Definition of the exercise for a recording (TOML), with `seed`.
@@ -380,4 +394,23 @@ fn unknown(name: &str) -> String {
         "unknown exercise `{name}`, expected one of: {}",
         names.join(", ")
     )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_length_that_was_asked_for_holds_and_a_person_is_not_bound_by_the_operators_length() {
+        let prepared = |name| prepare(&Asked::of(name), &Steps).expect("an exercise");
+        let probing = prepared("probing");
+        for is_person in [false, true] {
+            assert_eq!(probing.periods(Some(600.0), is_person), 600_000);
+        }
+        assert_eq!(probing.periods(None, false), probing.ticks);
+        assert_eq!(probing.periods(None, true), 86_400_000);
+        // A hard case has its own length.
+        let hard = prepared("hard/teleport");
+        assert_eq!(hard.periods(Some(600.0), true), hard.ticks);
+    }
 }

@@ -14,7 +14,7 @@ use crate::exercise::Prepared;
 use crate::network::NetworkSummary;
 use crate::place::tell_place;
 use crate::seat::{self, Ending, Seat, taken};
-use crate::simulated::Simulated;
+use crate::simulated::{self, Simulated};
 use crate::summary::{DemoSummary, PassivitySummary};
 use sulcus_connection::at_hand::HandTicker;
 use sulcus_connection::link::{Link, LinkConfig};
@@ -73,9 +73,9 @@ pub fn run(
     let link = Link::connect(link_config.clone())?;
     tell_place(&link);
     let hand = HandTicker::on(&link, &scene)?;
-    let logged = usize::try_from(prepared.ticks)
-        .unwrap_or(LOGGED)
-        .min(LOGGED);
+    let is_person = seat::device(seat) != simulated::NAME;
+    let periods = prepared.periods(args.duration, is_person);
+    let logged = usize::try_from(periods).unwrap_or(LOGGED).min(LOGGED);
     let hand = hand.map(|hand| hand.logged(logged));
     let begin = Instant::now();
     let disturb = prepared.case.map(|case| case.disturb);
@@ -84,7 +84,7 @@ pub fn run(
         until_done: prepared.until_done,
     };
     let device = taken(seat, &link_config, &link, &prepared.exercise, device);
-    let ran = perform(link, device, prepared.ticks, disturb, hand, steps)?;
+    let ran = perform(link, device, periods, disturb, hand, steps)?;
     let wall_s = begin.elapsed().as_secs_f64();
     let path = args.network.zip(relay.as_ref().map(Relay::counts));
     server.shutdown();

@@ -8,6 +8,8 @@ use sulcus_proto::control::ServerHello;
 use sulcus_sessions::pages::instants::Instant;
 use sulcus_sessions::{Exercise, Grade, Mode};
 
+use crate::simulated;
+
 /// A session before its first period.
 pub struct Begun<'a> {
     /// Configuration of the link.
@@ -57,7 +59,8 @@ pub enum Ending<'a> {
 
 /// Name of the device that performs a session.
 pub fn device(seat: Seat<'_>) -> &'static str {
-    seat.and_then(|screen| screen.device).unwrap_or("simulated")
+    seat.and_then(|screen| screen.device)
+        .unwrap_or(simulated::NAME)
 }
 
 /// Device in a seat, for a connected link.

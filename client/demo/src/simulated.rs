@@ -7,6 +7,9 @@ use sulcus_operator::Operator;
 
 use crate::calls::{calls, event};
 
+/// Name of the device.
+pub const NAME: &str = "simulated";
+
 /// Device whose hands are those of a simulated operator.
 pub struct Simulated {
     /// Operator that performs the exercise.
@@ -17,7 +20,7 @@ pub struct Simulated {
 
 impl HandSource for Simulated {
     fn name(&self) -> &str {
-        "simulated"
+        NAME
     }
     fn exchange(&mut self, shown: &Shown) -> [ToolInput; MAX_TOOLS] {
         self.operator.step(shown)

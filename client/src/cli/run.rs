@@ -57,7 +57,7 @@ pub struct RunArgs {
     /// Ticks per second of the server, 250 to 8000. Default: the rate of the scene file, else 1000
     #[arg(long, value_name = "HZ")]
     pub rate_hz: Option<u16>,
-    /// Length of the session, seconds, 0.1 to 86400. Default: the length of the exercise
+    /// Length of the session, seconds, 0.1 to 86400. Default: the simulated operator's own length; a person leaves
     #[arg(long, value_name = "S", value_parser = seconds)]
     pub duration: Option<f64>,
     /// Read called findings from standard input, a line each: tooth, site and depth in mm, then optional recession in

@@ -2,6 +2,7 @@
 //! and what it costs.
 #![allow(clippy::unwrap_used)]
 
+use std::cell::Cell;
 use std::path::Path;
 use std::time::Instant;
 
@@ -29,7 +30,7 @@ use sulcus_sessions::{
     Events, Exercise, Message, Occurrence, Recording, ReplayOptions, StationKey, replay_observed,
 };
 
-use crate::common::{PATIENCE, until};
+use crate::common::{PATIENCE, Station, rows_and_events, until};
 
 fn prepared(seconds: f64, seed: u64) -> Prepared {
     let asked = Asked {
@@ -332,4 +333,55 @@ fn exercises_are_found_by_name_or_file_and_what_cannot_be_is_said() {
         refused.contains("zone[0].tooth is 99, expected an FDI number"),
         "{refused}"
     );
+}
+
+/// Hand at rest whose person calls a depth and leaves the session between two passes.
+struct Leaving {
+    periods: u32,
+    /// Whether the person has left.
+    left: Cell<bool>,
+}
+
+impl HandSource for Leaving {
+    fn name(&self) -> &str {
+        "leaving"
+    }
+    fn exchange(&mut self, _: &Shown) -> [ToolInput; MAX_TOOLS] {
+        self.periods += 1;
+        [ToolInput::ABSENT; MAX_TOOLS]
+    }
+    fn is_done(&self) -> bool {
+        self.left.set(self.periods >= 500);
+        self.left.get()
+    }
+}
+
+impl EventDevice for Leaving {
+    fn events(&mut self) -> Vec<DeviceEvent> {
+        let call = Call {
+            tooth: 36,
+            site: Site::Buccal,
+            depth_mm: 2,
+            recession_mm: None,
+            bleeding: None,
+            furcation: None,
+        };
+        let is_called = self.left.replace(false);
+        is_called.then(|| event(&call)).into_iter().collect()
+    }
+}
+
+#[test]
+fn a_depth_that_is_called_after_the_last_pass_of_the_loop_is_recorded() {
+    let station = Station::new();
+    let device = Leaving {
+        periods: 0,
+        left: Cell::new(false),
+    };
+    let link = station.connect().unwrap();
+    let ran = perform(link, device, 60_000, None, None, &Steps).unwrap();
+    let summary = ran.goodbye.unwrap().summary;
+    let recording = Recording::open(&station.recording(&summary.recording)).unwrap();
+    let (_, events) = rows_and_events(&recording);
+    assert_eq!(count(&events, READING_CALLED), 1, "{events:?}");
 }

@@ -58,16 +58,18 @@ fn watcher(station: &Station, role: Role) -> Instructor {
 /// Number of the instruction behind each message of the walk.
 const LAST: u64 = 99;
 
-/// Message with a known answer. The server answers in order, so that its answer without one before means silence.
-fn last(role: Role, station: &str) -> ClientMessage {
-    if role == Role::Student {
-        return ClientMessage::Stop;
+/// Message with a known answer behind a message that may have none. The server takes messages in order, so that this
+/// answer alone means silence. A stop and an instruction have answers of their own, or end the connection.
+fn last(role: Role, station: &str, message: &ClientMessage) -> Option<ClientMessage> {
+    match message {
+        ClientMessage::Stop | ClientMessage::Instruct(_) => None,
+        _ if role == Role::Student => Some(ClientMessage::Stop),
+        _ => Some(ClientMessage::Instruct(Instruct {
+            number: LAST,
+            station: station.into(),
+            instruction: Instruction::Flag("last".into()),
+        })),
     }
-    ClientMessage::Instruct(Instruct {
-        number: LAST,
-        station: station.into(),
-        instruction: Instruction::Flag("last".into()),
-    })
 }
 
 /// First outcome on a connection. The end of the session counts as silence where `last` asks for it.
@@ -205,7 +207,7 @@ fn every_message_of_every_role_does_what_the_table_says_and_nothing_else() {
                         "{role}"
                     );
                     raw.say(&message).await;
-                    let last = (message != ClientMessage::Stop).then(|| last(role, station));
+                    let last = last(role, station, &message);
                     if let Some(last) = &last {
                         raw.say(last).await;
                     }

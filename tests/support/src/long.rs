@@ -3,8 +3,8 @@
 //! `SULCUS_LONG=all` selects every proof, and `SULCUS_LONG=changed` the proofs whose sources differ from those of their
 //! last pass: [`passed`]. A list of names with commas selects these proofs, and an unset variable none.
 //!
-//! Every proof is a test in a module `long`, so that `cargo test --workspace -- long::` finds all of them. `.ci/run` runs
-//! none.
+//! Every proof is a test in a module `long`, so that `cargo test --workspace -- long::` finds all of them. `.ci/run`
+//! runs none.
 
 /// Environment variable with the selection.
 const SELECT: &str = "SULCUS_LONG";

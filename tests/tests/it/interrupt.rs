@@ -2,23 +2,9 @@
 
 use std::io::{BufRead, BufReader};
 use std::path::Path;
-use std::process::{Command, Stdio};
+use std::process::Stdio;
 
-use sulcus_tests::{Ended, Place, Program, Serving};
-
-/// Sends a signal.
-fn send(signal: &str, process: u32) {
-    let sent = Command::new("kill")
-        .args([signal, &process.to_string()])
-        .status()
-        .expect("kill runs");
-    assert!(sent.success());
-}
-
-/// Sends SIGINT, as Ctrl-C does.
-fn interrupt(process: u32) {
-    send("-INT", process);
-}
+use sulcus_tests::{Ended, Place, Program, Serving, signal};
 
 #[test]
 fn an_interrupted_demo_is_finished_signed_and_gradable() {
@@ -47,7 +33,7 @@ fn an_interrupted_demo_is_finished_signed_and_gradable() {
         .spawn()
         .expect("the demo starts");
     place.begun("recordings");
-    interrupt(demo.id());
+    signal("-INT", &demo);
     let ended = Ended::new(demo.wait_with_output().expect("it ends")).ok();
     let said = ended.json();
     let ticks = said["ticks"].as_u64().expect("ticks");
@@ -65,7 +51,7 @@ fn an_interrupted_client_lets_the_hand_go_before_it_leaves() {
     let server = place.serve(&[]);
     let session = place.join(&server);
     place.touched();
-    interrupt(session.id());
+    signal("-INT", &session);
     let ended = Ended::new(session.wait_with_output().expect("it ends")).ok();
     let said = ended.json();
     let device = &said["device"];
@@ -111,7 +97,7 @@ fn a_server_whose_terminal_hangs_up_leaves_a_finished_gradable_recording() {
     };
     let session = place.join(&server);
     place.begun("recordings");
-    send("-HUP", server.process.id());
+    signal("-HUP", &server.process);
     let ended = Ended::new(session.wait_with_output().expect("it ends"));
     let said = ended.json();
     assert_eq!(said["session"]["end"], "shutdown", "{said}");

@@ -3,11 +3,11 @@
 use std::fs::{File, OpenOptions};
 use std::io::{BufRead, BufReader, Read as _};
 use std::net::{SocketAddr, UdpSocket};
-use std::process::{Child, ChildStderr, ChildStdout, Command, Stdio};
+use std::process::{Child, ChildStderr, ChildStdout, Stdio};
 use std::time::{Duration, Instant};
 
 use sulcus_sessions::{Ending, Recording};
-use sulcus_tests::{Ended, LIMIT, Place, Program, files_with};
+use sulcus_tests::{Ended, LIMIT, Place, Program, files_with, signal};
 
 /// Commands of each program that print, whose work is short, and their exit codes.
 const COMMANDS: [(Program, &[&str], i32); 11] = [
@@ -158,8 +158,7 @@ fn session(place: &Place, address: &str) -> Ended {
 }
 
 fn stop(mut server: Child) -> i32 {
-    let kill = Command::new("kill").arg(server.id().to_string()).status();
-    assert!(kill.expect("kill").success());
+    signal("-TERM", &server);
     let began = Instant::now();
     while began.elapsed() < LIMIT {
         if let Some(status) = server.try_wait().expect("waits") {

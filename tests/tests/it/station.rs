@@ -3,9 +3,9 @@
 use std::io::Write as _;
 use std::process::Stdio;
 
-use sulcus_tests::{Ended, Place, Program, Serving};
+use sulcus_tests::{Ended, Place, Program, Serving, signal};
 
-use crate::viewers::{lines, send, until};
+use crate::viewers::{lines, until};
 
 fn join(place: &Place, server: &Serving, more: &[&str]) -> Ended {
     place.perform(server, &[&["--duration", "3"], more].concat())
@@ -158,7 +158,7 @@ fn what_a_person_types_is_called() {
         let calls = lines.iter().filter(|line| line.starts_with("reading"));
         calls.count() == 2
     });
-    send("-INT", &client);
+    signal("-INT", &client);
     let ended = Ended::new(client.wait_with_output().expect("it ends"));
     assert!(
         ended.stderr.contains("not taken: the site is missing"),

@@ -4,25 +4,16 @@
 use std::collections::BTreeMap;
 use std::io::Write as _;
 use std::path::Path;
-use std::process::{Child, Command, Stdio};
+use std::process::Stdio;
 use std::time::{Duration, Instant};
 
 use serde_json::Value;
 use sulcus_relay::Relay;
 use sulcus_sessions::{Message, Recording};
-use sulcus_tests::{Ended, LIMIT, Place, Program, Serving};
+use sulcus_tests::{Ended, LIMIT, Place, Program, Serving, signal};
 
 /// Rows with a force after which the hand has moved what it presses.
 const PRESSED: usize = 1000;
-
-/// Sends a signal to a client.
-pub fn send(signal: &str, client: &Child) {
-    let sent = Command::new("kill")
-        .args([signal, &client.id().to_string()])
-        .status()
-        .expect("kill runs");
-    assert!(sent.success());
-}
 
 /// Gives lines of an instructor to the server.
 fn instruct(place: &Place, server: &Serving, lines: &str) {
@@ -124,7 +115,7 @@ fn perform(place: &Place, arguments: &[&str]) -> String {
     logged(&file, "attached");
     typed.write_all(b"36 b 3 nb f1\n").expect("it reads");
     drop(typed);
-    send("-INT", &client);
+    signal("-INT", &client);
     Ended::new(client.wait_with_output().expect("it ends")).ok();
     place.recording().to_str().expect("plain").to_owned()
 }

@@ -30,13 +30,13 @@ struct Felt {
 /// Number of samples in the contact that make a slope.
 const SAMPLES: usize = 1200;
 
-/// Number of passes in a row, one in each millisecond, behind which a sample counts. A pass after a stall of the machine
-/// compares the force of the depth before the stall with the depth after it.
+/// Number of passes in a row, one in each millisecond, behind which a sample counts. A pass after a stall of the
+/// machine compares the force of the depth before the stall with the depth after it.
 const IN_A_ROW: u64 = 5;
 
-/// Motion across the wall from `began_ns` on, until there are [`SAMPLES`]. `felt` performs the pass of a millisecond with
-/// the ball at a height, metres, and gives the force at the hand. Passes for which the machine is too busy are skipped, as
-/// a device skips them.
+/// Motion across the wall from `began_ns` on, until there are [`SAMPLES`]. `felt` performs the pass of a millisecond
+/// with the ball at a height, metres, and gives the force at the hand. Passes for which the machine is too busy are
+/// skipped, as a device skips them.
 fn across(amplitude_mm: f64, began_ns: u64, mut felt: impl FnMut(u64, f64) -> f64) -> Felt {
     let mut pairs = Vec::new();
     let (mut next, mut in_a_row) = (0, 0);

@@ -5,6 +5,7 @@ use std::process::{Command, ExitCode, Stdio};
 use std::time::Instant;
 
 use serde_json::Value;
+use sulcus_support::Resource;
 use sulcus_support::long::passed::{behind, enter, keys, root};
 use sulcus_support::long::{LONG, Long};
 
@@ -72,11 +73,12 @@ fn run(names: &[&str]) -> Result<bool, String> {
         names.iter().map(named).collect::<Result<_, _>>()?
     };
     let (keys, binaries) = (keys()?, binaries()?);
+    let required = Resource::ALL.map(Resource::name).join(",");
     let mut all = true;
     for long in chosen {
         let began = Instant::now();
         let key = &keys[long.package];
-        let mut passed = true;
+        let (mut passed, mut tests) = (true, 0);
         for (package, binary) in &binaries {
             if package != long.package {
                 continue;
@@ -86,14 +88,19 @@ fn run(names: &[&str]) -> Result<bool, String> {
                 .current_dir(&key.folder)
                 .env("CARGO_MANIFEST_DIR", &key.folder)
                 .env("SULCUS_LONG", long.name)
+                // A proof that a missing resource skips has not passed.
+                .env("SULCUS_REQUIRE", &required)
                 .output()
                 .map_err(|error| format!("{}: {error}", binary.display()))?;
+            let told = String::from_utf8_lossy(&output.stdout);
+            tests += told.lines().filter(|line| line.ends_with("... ok")).count();
             if !output.status.success() {
                 passed = false;
-                println!("{}", String::from_utf8_lossy(&output.stdout));
+                println!("{told}");
                 eprintln!("{}", String::from_utf8_lossy(&output.stderr));
             }
         }
+        passed &= tests > 0;
         let minutes = began.elapsed().as_secs_f64() / 60.0;
         let verdict = if passed { "passed" } else { "FAILED" };
         println!("{verdict} {} in {minutes:.1} minutes", long.name);

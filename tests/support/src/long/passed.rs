@@ -1,9 +1,9 @@
 //! Last passes of the long proofs: `tests/long.passed`.
 //!
 //! The file has a line for each proof: name, key, minutes on the machine of the pass. The key is a hash of all sources
-//! that the test links: the package of the test, the workspace's packages that it depends on, `Cargo.lock`, profiles and
-//! toolchain. A proof whose key differs is behind: its last pass says nothing about the present sources. Lines that begin
-//! with `#` stay as they are.
+//! that the test links: the package of the test, the workspace's packages that it depends on, `Cargo.lock`, profiles,
+//! toolchain. A proof whose key differs is behind: its last pass says nothing about the present sources. Lines that
+//! begin with `#` stay as they are.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
@@ -16,13 +16,20 @@ use super::{LONG, Long};
 /// File with the passes, from the root of the workspace.
 pub const FILE: &str = "tests/long.passed";
 
-/// Files of the workspace that every key contains.
-const SHARED: [&str; 4] = [
+/// Files and folders of the workspace that every key contains: settings, and data outside of the packages that read it.
+const SHARED: [&str; 8] = [
     "Cargo.lock",
     "Cargo.toml",
     "rust-toolchain.toml",
     ".cargo/config.toml",
+    "server/scenes",
+    "server/core/tests/counting",
+    "tests/inputs",
+    "docker/70-sulcus-devices.rules",
 ];
+
+/// Files of the package `sulcus-tests` that no test links. A pass changes the first.
+const NOT_LINKED: [&str; 2] = ["long.passed", "quarantine.txt"];
 
 /// Folders of a package that its dependents do not link.
 const OWN: [&str; 3] = ["tests", "benches", "examples"];
@@ -130,7 +137,9 @@ fn keys_of(root: &Path) -> Result<BTreeMap<String, Key>, String> {
     let mut shared = blake3::Hasher::new();
     for name in SHARED {
         let path = root.join(name);
-        if path.exists() {
+        if path.is_dir() {
+            shared.update(hash_package(&path, &[], true)?.as_bytes());
+        } else if path.exists() {
             hash_file(&mut shared, root, &path)?;
         }
     }
@@ -213,7 +222,7 @@ fn hash_package(folder: &Path, packages: &[&Path], own: bool) -> Result<blake3::
             .to_string_lossy()
             .into_owned();
         if path.is_file() {
-            if !name.ends_with(".md") {
+            if !name.ends_with(".md") && !NOT_LINKED.contains(&name.as_str()) {
                 hash_file(&mut hasher, folder, &path)?;
             }
             continue;
@@ -270,7 +279,7 @@ mod tests {
             let last = name.rsplit('/').next().expect("a name");
             let head = format!("[package]\nname = \"{last}\"\nversion = \"0.1.0\"\n");
             write(&format!("{name}/Cargo.toml"), &(head + needs));
-            for file in ["src/lib.rs", "tests/it.rs", "README.md"] {
+            for file in ["src/lib.rs", "tests/it.rs", "README.md", "long.passed"] {
                 write(&format!("{name}/{file}"), "");
             }
         }
@@ -292,6 +301,7 @@ mod tests {
             ("b/c/src/lib.rs", [false, true, true]),
             ("b/c/tests/it.rs", [false, false, true]),
             ("b/README.md", [false; 3]),
+            ("b/long.passed", [false; 3]),
             ("Cargo.toml", [true; 3]),
         ] {
             let before = hashes();

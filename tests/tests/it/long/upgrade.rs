@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use sulcus_support::long;
-use sulcus_tests::{Place, Program, files_with};
+use sulcus_tests::{Place, Program, files_with, signal};
 
 /// Commit of the earlier release: protocol version 6, before the ghost, backups and archived classes.
 const BEFORE: &str = "5b4e9e81";
@@ -84,10 +84,7 @@ fn a_school_of_the_earlier_release_goes_on_with_its_tickets_sessions_and_grades(
     let arguments = ["--exercise", "crown", "--mode", "exam"];
     let server = place.serve_by(&earlier.join("sulcus-server"), "127.0.0.1:0", &arguments);
     old(Program::Client, &run(&server.address)).ok();
-    let stopped = Command::new("kill")
-        .args(["-TERM", &server.process.id().to_string()])
-        .status();
-    assert!(stopped.expect("kill").success());
+    signal("-TERM", &server.process);
     let mut server = server;
     assert!(server.process.wait().expect("an end").success());
     let session = place.recording();
