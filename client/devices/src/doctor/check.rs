@@ -16,7 +16,7 @@ pub struct Check {
     pub name: String,
     /// Whether nothing has to be done.
     pub ok: bool,
-    /// What was found, and what to do if the check is not ok; at most 300 characters, no line breaks.
+    /// Finding, and advice if the check is not ok; at most 300 characters, no line breaks.
     pub message: String,
 }
 

@@ -8,7 +8,7 @@ const NAME: &str = "library";
 /// Most characters of a back-end's own message.
 const LONGEST: usize = 180;
 
-/// One check for each back-end of the list. A library that is absent is not ok only if a device needs it.
+/// Returns one check for each back-end of the list. An absent library fails its check only if a device needs it.
 pub fn checks(found: &[Found], devices: &[UsbDevice]) -> Vec<Check> {
     let mut libraries: Vec<&str> = Vec::new();
     for entry in found {

@@ -12,7 +12,7 @@ const NAME: &str = "permission";
 const RULES: &str = "/etc/udev/rules.d/70-sulcus-devices.rules";
 const RELOAD: &str = "sudo udevadm control --reload && sudo udevadm trigger";
 
-/// One check for each device; one check that is ok without a device.
+/// Returns one check for each device. Without a device, the only check is ok.
 pub fn checks(roots: &Roots, devices: &[UsbDevice]) -> Vec<Check> {
     if devices.is_empty() {
         return vec![Check::fine(

@@ -13,7 +13,7 @@ const LIMIT: Duration = Duration::from_millis(300);
 /// Most bytes of an answer.
 const LONGEST: usize = 65536;
 
-/// What was found at the address.
+/// Finding at the address.
 #[derive(Clone, Debug, PartialEq, Eq)]
 enum Answer {
     /// No program has the port.

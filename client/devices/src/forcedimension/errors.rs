@@ -4,7 +4,7 @@ use super::api::Code;
 use super::sys;
 use crate::State;
 
-/// What an error of a period means.
+/// Meaning of an error in a period.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Class {
     /// The device is not connected any more.
