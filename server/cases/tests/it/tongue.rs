@@ -275,6 +275,33 @@ fn let_go_from_depth_nothing_swings_beyond_where_it_was_held() {
     assert!(last < 1e-6, "{last}");
 }
 
+/// The tongue relaxes into a hand that is away. Behind the gap the overlaps filled the list of contacts at any distance, and the mirror
+/// left the tongue by 7 um in a tick: it was 15.4 mm deep after 100 ticks.
+#[test]
+fn a_mirror_that_returns_deep_in_the_tongue_is_nearly_out_after_a_hundred_ticks() {
+    let mut run = Run::new(tongue());
+    run.press(0.022);
+    let held = run.depth();
+    for _ in 0..3000 {
+        run.tick(None);
+    }
+    for _ in 0..100 {
+        run.tick(Some(over(-0.022)));
+    }
+    let depth = run.depth();
+    println!(
+        "held {:.2} mm deep, 100 ticks after the return {:.2} mm",
+        1e3 * held,
+        1e3 * depth
+    );
+    assert!(held > 0.015 && depth < 0.003, "{held} {depth}");
+    // The force has grown again, and presses the mirror to where it was.
+    for _ in 0..1900 {
+        run.tick(Some(over(-0.022)));
+    }
+    assert!((run.depth() - held).abs() < 1e-4, "{}", run.depth());
+}
+
 #[test]
 fn a_run_from_its_middle_is_the_same_run() {
     let place = |k: u32| {

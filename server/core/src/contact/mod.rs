@@ -80,6 +80,8 @@ pub struct ContactList {
     contacts: Vec<Contact>,
     limit: usize,
     overflow: Overflow,
+    /// Number of contacts at the front that no other contact replaces.
+    fixed: usize,
 }
 
 /// Policy for a contact that finds the list full.
@@ -98,13 +100,27 @@ impl ContactList {
             contacts: Vec::with_capacity(most),
             limit: most,
             overflow: Overflow::Stop,
+            fixed: 0,
         }
     }
 
     /// Empties the list and sets the limit and the overflow policy of the next query.
     pub fn begin(&mut self, limit: usize, overflow: Overflow) {
         self.contacts.clear();
-        (self.limit, self.overflow) = (limit, overflow);
+        (self.limit, self.overflow, self.fixed) = (limit, overflow, 0);
+    }
+
+    /// Keeps the contacts found so far: with [`Overflow::KeepSmallestGaps`], later contacts replace one another alone.
+    pub(crate) fn fix(&mut self, overflow: Overflow) {
+        (self.overflow, self.fixed) = (overflow, self.contacts.len());
+    }
+
+    /// Largest gap that a full list keeps beside its fixed contacts, metres. `None`: the list has room, or no such
+    /// contact. Valid before [`ContactList::sort`].
+    pub(crate) fn largest_kept(&self) -> Option<f64> {
+        let heap = &self.contacts[self.fixed..];
+        let is_full = self.contacts.len() == self.limit;
+        heap.first().filter(|_| is_full).map(|worst| worst.gap)
     }
 
     /// Returns the contacts found, unordered until [`ContactList::sort`].
@@ -133,8 +149,9 @@ impl ContactList {
         if self.contacts.len() < self.limit {
             self.contacts.push(contact);
             if self.overflow == Overflow::KeepSmallestGaps && self.contacts.len() == self.limit {
-                for at in (0..self.limit / 2).rev() {
-                    self.sift_down(at);
+                let heap = &mut self.contacts[self.fixed..];
+                for at in (0..heap.len() / 2).rev() {
+                    sift_down(heap, at);
                 }
             }
             return Ok(());
@@ -142,36 +159,31 @@ impl ContactList {
         match self.overflow {
             Overflow::Stop => Err(ContactsFull),
             Overflow::KeepSmallestGaps => {
-                if self
-                    .contacts
-                    .first()
-                    .is_some_and(|worst| outranks(worst, &contact))
-                {
-                    self.contacts[0] = contact;
-                    self.sift_down(0);
+                let heap = &mut self.contacts[self.fixed..];
+                if heap.first().is_some_and(|worst| outranks(worst, &contact)) {
+                    heap[0] = contact;
+                    sift_down(heap, 0);
                 }
                 Ok(())
             }
         }
     }
+}
 
-    /// Restores the heap property (largest gap first) below the index `at`.
-    fn sift_down(&mut self, mut at: usize) {
-        loop {
-            let mut largest = at;
-            for child in [2 * at + 1, 2 * at + 2] {
-                if child < self.contacts.len()
-                    && outranks(&self.contacts[child], &self.contacts[largest])
-                {
-                    largest = child;
-                }
+/// Restores the heap property (largest gap first) below the index `at`.
+fn sift_down(heap: &mut [Contact], mut at: usize) {
+    loop {
+        let mut largest = at;
+        for child in [2 * at + 1, 2 * at + 2] {
+            if child < heap.len() && outranks(&heap[child], &heap[largest]) {
+                largest = child;
             }
-            if largest == at {
-                return;
-            }
-            self.contacts.swap(at, largest);
-            at = largest;
         }
+        if largest == at {
+            return;
+        }
+        heap.swap(at, largest);
+        at = largest;
     }
 }
 

@@ -22,7 +22,7 @@ use crate::{MAX_TOOLS, Scene};
 const HELD_WEAKLY: f64 = 0.01;
 /// Depth in tissue, metres, from which an arriving tool gives way. Chosen: far above the depth that a tick leaves, and
 /// out of the tissue within a tick or two.
-const OVERLAP: f64 = 1e-5;
+pub(crate) const OVERLAP: f64 = 1e-5;
 
 /// Step of each tool, by slot: translation of the working point (metres) and rotation vector (radians), world axes.
 pub(crate) type Steps = [(Vec3, Vec3); MAX_TOOLS];
