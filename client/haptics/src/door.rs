@@ -31,6 +31,8 @@ pub struct Wanted {
     pub heard_ns: Option<u64>,
     /// Whether the session ends: the force falls to zero, and damping ends.
     pub leaving: bool,
+    /// Whether the session is paused: the wrench of the simulation falls to zero, and damping ends with it.
+    pub paused: bool,
     /// Number of presses of a key that replaces the device's button.
     pub presses: u32,
 }
@@ -42,6 +44,7 @@ impl Wanted {
         guide: Wrench::ZERO,
         heard_ns: None,
         leaving: false,
+        paused: false,
         presses: 0,
     };
 }
@@ -184,7 +187,11 @@ impl Door {
         };
         self.account(falling_ms * 1e-3);
         self.gate = self.watchdog.gate(now_ns) * self.guarded_share(now_ns);
-        let damping = if self.wanted.leaving { 0.0 } else { self.gate };
+        let damping = if self.wanted.leaving || self.wanted.paused {
+            0.0
+        } else {
+            self.gate
+        };
         let wanted = if self.wanted.leaving {
             Wrench::ZERO
         } else {

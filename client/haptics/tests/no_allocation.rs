@@ -70,6 +70,7 @@ fn exchange_order_sample_and_buttons_never_allocate() {
                 guide: Wrench::ZERO,
                 heard_ns: Some(now_ns),
                 leaving: ms > 5_900,
+                paused: (3_000..3_200).contains(&ms),
                 presses: (ms / 700) as u32,
             });
         }

@@ -357,3 +357,47 @@ fn the_rules_of_a_guard_limit_the_force_to_what_the_slew_limit_takes_away() {
     assert!((rules.limits.force_n - 1.3).abs() < 1e-12);
     assert!(rules.passivity.max_force <= 1.3);
 }
+
+/// A simulated class found up to 0.3 N at a hand in a pause: a controller of energy went on to brake a fast hand for the
+/// contact before.
+#[test]
+fn in_a_pause_no_brake_is_left_of_a_contact() {
+    let limits = Limits {
+        force_n: PEAK,
+        torque_nm: 0.2,
+    };
+    let slew = SlewLimits {
+        force_n_per_ms: SLEW,
+        torque_nm_per_ms: 0.05,
+    };
+    let [braked, paused] = [false, true].map(|paused| {
+        let mut door = Door::new(DoorRules::in_step(limits, slew, 1e-3));
+        let mut at = Pose::identity();
+        for k in 0..758_u64 {
+            // The hand gives way by a millimetre at once, behind a loop that has overslept. Then the hand is slow.
+            let newtons = if (740..750).contains(&k) { PEAK } else { 0.0 };
+            door.order(&Wanted {
+                wrench: Wrench {
+                    force: Vec3::new(newtons, 0.0, 0.0),
+                    torque: Vec3::zeros(),
+                },
+                heard_ns: Some(k * MS),
+                paused: paused && k >= 750,
+                ..Wanted::NOTHING
+            });
+            door.pass(k * MS);
+            at.position.x += match k {
+                ..749 => 0.0,
+                749 => 1e-3,
+                _ => 1e-5,
+            };
+            door.moved(Some(&at), 1);
+        }
+        norm(&door.displayed().force)
+    });
+    assert!(
+        braked > 0.05,
+        "the hand was braked without a pause: {braked}"
+    );
+    assert_eq!(paused, 0.0);
+}
