@@ -15,6 +15,7 @@ use sulcus_proto::datagram::{ToolPose, WirePose, WireWrench};
 use sulcus_proto::device::PHASE_EVENT;
 
 use crate::at_hand::HandTicker;
+use crate::carrier::Carrier;
 use crate::device::{DeviceEvent, EventDevice, Glance};
 use crate::interrupt;
 use crate::link::{Heard, Link, PosePacket, WrenchPacket, now_ns};
@@ -108,8 +109,8 @@ pub struct DeviceLoop {
 }
 
 impl DeviceLoop {
-    /// Loop for a connected link. The first pass is due one period after `begin_ns`, a time by [`now_ns`].
-    pub fn new(link: &Link, begin_ns: u64, periods: u64, disturb: Option<Disturb>) -> Self {
+    /// Loop for a link. The first pass is due one period after `begin_ns`, a time by [`now_ns`].
+    pub fn new(link: &impl Carrier, begin_ns: u64, periods: u64, disturb: Option<Disturb>) -> Self {
         let hello = link.hello();
         let period_ns = hello.tick_ns;
         let slew = SlewLimits {
@@ -165,6 +166,11 @@ impl DeviceLoop {
         self.grid_ns
     }
 
+    /// Number of periods in which a passivity controller of the loop's doors has acted, summed over both hands.
+    pub fn braked_periods(&self) -> u64 {
+        self.doors.iter().map(|door| door.energy().acted).sum()
+    }
+
     /// Number of periods completed so far.
     pub fn periods_done(&self) -> u64 {
         self.report.periods
@@ -185,7 +191,7 @@ impl DeviceLoop {
     /// Sends the last events of the device, and gives the report of the ended loop.
     pub fn end(
         mut self,
-        link: &mut Link,
+        link: &mut impl Carrier,
         device: &mut dyn EventDevice,
     ) -> (LoopReport, Option<HandTicker>) {
         // A person may have called a depth and left the session after the last pass.
@@ -217,7 +223,7 @@ impl DeviceLoop {
 
     /// Sends the waiting events of the device. The link refuses an event if it has ended, which the loop detects, or if
     /// its message queue is full.
-    fn send_events(&self, link: &mut Link, device: &mut dyn EventDevice) {
+    fn send_events(&self, link: &mut impl Carrier, device: &mut dyn EventDevice) {
         let tick = self.report.last_tick;
         for DeviceEvent { kind, json } in device.events() {
             let kind = kind.into();
@@ -226,7 +232,7 @@ impl DeviceLoop {
     }
 
     /// Performs a pass of the loop. `now` is the present time by [`now_ns`], at or after [`DeviceLoop::next_ns`].
-    pub fn pass(&mut self, link: &mut Link, device: &mut dyn EventDevice, now: u64) {
+    pub fn pass(&mut self, link: &mut impl Carrier, device: &mut dyn EventDevice, now: u64) {
         let (leaving, period_ns) = (self.leaving, self.period_ns);
         let late = now.saturating_sub(self.grid_ns) / period_ns;
         let told = link.latest_wrench();
@@ -503,7 +509,9 @@ impl DeviceLoop {
 /// Order of `packet` to the hand in `slot`.
 fn wanted(packet: &WrenchPacket, slot: usize) -> Wanted {
     let WireWrench { force, torque } = packet.datagram.tools[slot].wrench;
+    let levels = &packet.datagram.levels;
     Wanted {
+        paused: levels.paused_by_student || levels.paused_by_station,
         wrench: Wrench {
             force: Vec3::from(force.map(f64::from)),
             torque: Vec3::from(torque.map(f64::from)),

@@ -7,6 +7,7 @@
 #![cfg_attr(not(test), warn(clippy::print_stdout, clippy::print_stderr))]
 
 pub mod at_hand;
+pub mod carrier;
 pub mod device;
 pub mod device_loop;
 pub mod display;

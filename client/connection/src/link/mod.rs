@@ -12,14 +12,17 @@
 
 mod config;
 pub(crate) mod control;
+mod device_end;
 mod error;
 pub(crate) mod handshake;
 mod heard;
 mod network;
+mod packets;
 mod path;
 pub(crate) mod reach;
 mod returning;
 mod stats;
+mod stepped;
 mod transport;
 mod trust;
 mod worker;
@@ -29,23 +32,23 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError};
 use std::time::Duration;
 
 use sulcus_proto::control::{ButtonEdge, Command, Event, Goodbye, ServerHello};
-use sulcus_proto::datagram::ToolPose;
-use sulcus_proto::{ClientMessage, SessionSummary, TOOLS, WrenchDatagram};
+use sulcus_proto::{ClientMessage, SessionSummary};
 use tokio::sync::mpsc::Sender;
-use triple_buffer::{Input, Output};
 
 pub use config::{LinkConfig, Pin};
 pub use error::LinkError;
 pub use heard::Heard;
 pub use network::Network;
+pub use packets::{PosePacket, WrenchPacket};
 pub use path::{PathFigures, measure_path};
 pub use stats::LinkStats;
-use sulcus_haptics::Watchdog;
+#[doc(hidden)]
+pub use stepped::SteppedLink;
 pub use sulcus_link::clock::monotonic_ns as now_ns;
 pub use transport::client_config;
 
 use crate::at_hand::outbox::{Out, Rows};
-use stats::Shared;
+use device_end::DeviceEnd;
 use sulcus_link::Bell;
 
 /// Timeout for the last packets after the close of a connection.
@@ -55,51 +58,17 @@ const GOODBYE: Duration = Duration::from_secs(20);
 /// The same for ticks at the hand, whose inputs may have to be handed in first.
 const GOODBYE_AT_HAND: Duration = Duration::from_secs(600);
 
-/// Readings of the devices of both hands.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct PosePacket {
-    /// For each tool slot: number, time by [`now_ns`] and period of the reading, `world_from_tool` at the device point,
-    /// the buttons, and the wrench displayed last, after gate and limits.
-    pub tools: [ToolPose; TOOLS],
-    /// Newest tick at the hand; 0 if the server ticks.
-    pub tick: u64,
-    /// Number of the run of that tick: [`Link::restarts`]. A pose of a former run is not sent.
-    pub run: u32,
-}
-
-/// A wrench and its arrival.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct WrenchPacket {
-    /// Datagram of the server: for each tool force (N) and torque (N m), world axes, about the device point.
-    pub datagram: WrenchDatagram,
-    /// Time of arrival, by [`now_ns`].
-    pub arrived_ns: u64,
-    /// Time from the measurement of the answered pose to the arrival of the wrench, nanoseconds. `None`: the server had
-    /// no pose yet.
-    pub age_ns: Option<u64>,
-}
-
-impl WrenchPacket {
-    /// [`WrenchPacket::age_ns`] in milliseconds.
-    pub fn age_ms(&self) -> Option<f64> {
-        self.age_ns.map(|age| age as f64 / 1e6)
-    }
-}
-
 /// A connection to a server, held by the device's thread. A drop closes the connection without a stop, and blocks until
 /// the link's task has ended.
 pub struct Link {
     hello: ServerHello,
-    poses: Input<PosePacket>,
-    wrenches: Output<Option<WrenchPacket>>,
+    device: DeviceEnd,
     bell: Bell,
     /// Rows of ticks at the hand, if the client asked for them.
     rows: Option<Rows>,
-    watchdog: Watchdog,
     messages: Option<Sender<ClientMessage>>,
     heard: Receiver<Heard>,
     goodbye: Receiver<Result<Goodbye, LinkError>>,
-    shared: Arc<Shared>,
     /// Disconnected at the end of the link's task.
     ended: Receiver<()>,
     _network: Arc<Network>,
@@ -136,8 +105,7 @@ impl Link {
 
     /// Offers a pose. The pose replaces an older one that was not sent yet.
     pub fn send_pose(&mut self, pose: &PosePacket) {
-        self.poses.write(*pose);
-        self.shared.offered();
+        self.device.send_pose(pose);
         self.bell.ring();
     }
 
@@ -149,7 +117,7 @@ impl Link {
     /// Number of times that the ticks at the hand begin again from the first one: the server has restarted and lost the
     /// session. Rows name this number.
     pub fn restarts(&self) -> u32 {
-        self.shared.restarts()
+        self.device.restarts()
     }
 
     /// Queues the row of a tick at the hand. Wait-free. `false`: the rows cannot be handed in, and the session cannot
@@ -161,20 +129,14 @@ impl Link {
     /// Newest wrench so far, also after the end of the link; `None` before the first one. [`Link::force_gate`] gives
     /// the share of the force to display.
     pub fn latest_wrench(&mut self) -> Option<WrenchPacket> {
-        if self.wrenches.update()
-            && let Some(packet) = self.wrenches.output_buffer()
-        {
-            self.watchdog.heard(packet.arrived_ns);
-        }
-        *self.wrenches.output_buffer()
+        self.device.latest_wrench()
     }
 
     /// Share of the force to display at `now_ns`, 0 to 1. The device's loop calls this once per period.
     ///
     /// After 20 ms without a wrench the share falls to zero within 20 ms. With wrenches it rises to one within 100 ms.
     pub fn force_gate(&mut self, now_ns: u64) -> f64 {
-        self.latest_wrench();
-        self.watchdog.gate(now_ns)
+        self.device.force_gate(now_ns)
     }
 
     /// Queues a pause of the student, its end, or a lower force limit. The station's pause and limit stay in force.
@@ -203,17 +165,17 @@ impl Link {
     /// Whether the link carries packets or tries to. `false` after the server's goodbye, an invalid message, or a lost
     /// connection without a return.
     pub fn is_open(&self) -> bool {
-        !self.shared.is_closed()
+        self.device.is_open()
     }
 
     /// Whether the connection is lost and the link tries to return to the session.
     pub fn is_returning(&self) -> bool {
-        self.shared.is_returning()
+        self.device.is_returning()
     }
 
     /// Counters and times of packets so far. The call takes a lock, so the device's loop must not use it.
     pub fn stats(&self) -> LinkStats {
-        let stats = self.shared.stats();
+        let stats = self.device.stats();
         match &self.rows {
             Some(rows) if self.ticks_at_hand() => LinkStats {
                 ticks_behind: rows.outbox().behind(),

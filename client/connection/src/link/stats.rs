@@ -18,9 +18,9 @@ pub struct LinkStats {
     pub poses_offered: u64,
     /// Number of poses that QUIC took for sending.
     ///
-    /// Of the others, most were left out at a lower rate, or replaced by a newer pose first. A pose with a number that
-    /// is not finite, and a pose after the end of the connection, are not counted either. QUIC may still drop a counted
-    /// pose: a full send buffer loses its oldest datagram.
+    /// Of the others, most were left out at a lower rate, or replaced by a newer pose first. A pose after the end of
+    /// the connection is not counted either. QUIC may still drop a counted pose: a full send buffer loses its oldest
+    /// datagram. A pose with a number that is not finite is sent like any other: the tick judges it.
     pub poses_sent: u64,
     /// Counts of arrived wrenches of the session's epochs.
     pub wrenches: ArrivalCounts,

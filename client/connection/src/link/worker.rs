@@ -7,30 +7,25 @@ use std::time::Duration;
 use quinn::{Connection, Endpoint, RecvStream, SendStream};
 use sulcus_link::Bell;
 use sulcus_link::control::ReadError;
-use sulcus_link::ladder::Ladder;
 use sulcus_proto::control::Goodbye;
-use sulcus_proto::datagram::Echo;
-use sulcus_proto::newest::Arrival;
-use sulcus_proto::reception::Meter;
-use sulcus_proto::{ClientMessage, CodecError, PoseDatagram, ServerMessage, TOOLS, WrenchDatagram};
+use sulcus_proto::{ClientMessage, CodecError, ServerMessage};
 use tokio::sync::mpsc::{Receiver, channel};
 use tokio::task::JoinHandle;
 use tokio::time::Instant;
-use triple_buffer::{Input, Output, triple_buffer};
 
+use super::device_end;
 use super::handshake::{Welcome, shake};
 use super::heard::Ear;
 use super::network::Network;
+use super::packets::Packets;
 use super::returning::Returning;
 use super::stats::Shared;
-use super::{
-    LAST_PACKETS, Link, LinkConfig, LinkError, PosePacket, Watchdog, WrenchPacket, control, now_ns,
-};
+use super::{LAST_PACKETS, Link, LinkConfig, LinkError, control, now_ns};
 use crate::at_hand::TickPlace;
 use crate::at_hand::outbox::{Outbox, Rows, pack, write};
 
 /// Largest number of messages that wait to be written.
-const MESSAGES: usize = 64;
+pub(super) const MESSAGES: usize = 64;
 
 /// Longest wait of a stop for the inputs of ticks at the hand.
 const HAND_IN: Duration = Duration::from_secs(540);
@@ -39,8 +34,7 @@ const HAND_IN: Duration = Duration::from_secs(540);
 pub(super) fn spawn(config: LinkConfig, network: Arc<Network>) -> Result<Link, LinkError> {
     let shared = Arc::new(Shared::new());
     let bell = Bell::new()?;
-    let (poses, poses_out) = triple_buffer(&PosePacket::default());
-    let (wrenches_in, wrenches) = triple_buffer(&None);
+    let (device, network_end) = device_end::ends(&shared);
     let (messages, messages_out) = channel(MESSAGES);
     let (answer_in, answer) = sync_channel(1);
     let (goodbye_in, goodbye) = sync_channel(1);
@@ -53,7 +47,7 @@ pub(super) fn spawn(config: LinkConfig, network: Arc<Network>) -> Result<Link, L
             (Some(rows), Some((ring, outbox)))
         }
     };
-    let (worker_shared, worker_bell) = (shared.clone(), bell.clone());
+    let worker_bell = bell.clone();
     network.spawn(async move {
         // Dropped at the end of the task, also after a panic: the drop of the link waits for this end.
         let _ended = ended_in;
@@ -71,29 +65,22 @@ pub(super) fn spawn(config: LinkConfig, network: Arc<Network>) -> Result<Link, L
         } = welcome;
         let at_hand = at_hand.take().filter(|_| hello.plan.tick_at_hand);
         let outbox = at_hand.map(|(ring, outbox)| {
-            let shared = worker_shared.clone();
+            let shared = shared.clone();
             let is_connected = move || !shared.is_returning();
             tokio::spawn(pack(ring, outbox.clone(), hello.tick_ns, is_connected));
             outbox
         });
         let worker = Worker {
+            packets: Packets::new(network_end, hello.tick_ns, hello.epoch, outbox.clone()),
             outbox,
             stopping: None,
             returning: Returning::new(config, &hello),
-            epoch: hello.epoch,
             ear,
             endpoint,
             connection,
             send,
-            tick_ns: hello.tick_ns,
-            meter: Meter::new(),
-            ladder: Ladder::new(hello.tick_ns),
-            poses: poses_out,
-            wrenches: wrenches_in,
             bell: worker_bell,
-            shared: worker_shared,
-            sequence: 0,
-            answered: [None; TOOLS],
+            shared,
         };
         if answer_in.send(Ok(hello)).is_ok() {
             worker.run(recv, messages_out, goodbye_in).await;
@@ -103,15 +90,12 @@ pub(super) fn spawn(config: LinkConfig, network: Arc<Network>) -> Result<Link, L
     let hello = answer.recv().map_err(|_| lost())??;
     Ok(Link {
         hello,
-        poses,
-        wrenches,
+        device,
         bell,
         rows,
-        watchdog: Watchdog::new(),
         messages: Some(messages),
         heard,
         goodbye,
-        shared,
         ended,
         _network: network,
     })
@@ -123,20 +107,10 @@ struct Worker {
     endpoint: Endpoint,
     connection: Connection,
     send: SendStream,
-    epoch: u32,
-    /// Period of the ticks, nanoseconds.
-    tick_ns: u64,
-    /// Quality of the way of the wrenches.
-    meter: Meter,
-    /// Rate of the poses.
-    ladder: Ladder,
-    poses: Output<PosePacket>,
-    wrenches: Input<Option<WrenchPacket>>,
+    /// Datagrams of the connection.
+    packets: Packets,
     bell: Bell,
     shared: Arc<Shared>,
-    sequence: u32,
-    /// For each tool the number of the reading answered last.
-    answered: [Option<u32>; TOOLS],
     returning: Returning,
     ear: Ear,
     /// Batches of ticks at the hand; `None` if the server ticks.
@@ -174,7 +148,8 @@ impl Worker {
             tracing::warn!("{error}; trying to return to the session");
             self.shared.leave();
             self.connection.close(0u32.into(), b"lost");
-            let welcome = match self.returning.come_back(self.epoch, &mut messages).await {
+            let epoch = self.packets.epoch();
+            let welcome = match self.returning.come_back(epoch, &mut messages).await {
                 Ok(welcome) => welcome,
                 Err(error) => break Err(error),
             };
@@ -183,14 +158,9 @@ impl Worker {
             self.connection = welcome.connection;
             self.send = welcome.send;
             answers = sulcus_link::control::reader(welcome.recv);
-            self.begin_epoch(welcome.hello.epoch);
-            if let Some(outbox) = &self.outbox
-                && !welcome.hello.resumed
-            {
-                // The server has lost the session: the hand waits for the begin of a new one.
-                self.wrenches.write(None);
-                self.shared.restart();
-                outbox.begin(self.shared.restarts());
+            self.packets.begin_epoch(welcome.hello.epoch);
+            if !welcome.hello.resumed {
+                self.packets.begin_run();
             }
             self.shared.come_back();
         };
@@ -237,13 +207,16 @@ impl Worker {
                 }
                 () = listening.rung() => self.send_pose(),
                 datagram = self.connection.read_datagram(), if connected => match datagram {
-                    Ok(bytes) => self.arrived(&bytes),
+                    Ok(bytes) => {
+                        let rtt = || self.connection.rtt();
+                        self.packets.arrived(&bytes, now_ns(), rtt);
+                    }
                     // The reader of the control stream may still hold a goodbye.
                     Err(_) => connected = false,
                 },
                 answer = answers.recv() => match answer {
                     Some(Ok(ServerMessage::Goodbye(goodbye))) => return Ok(goodbye),
-                    Some(Ok(ServerMessage::Epoch(epoch))) => self.begin_epoch(epoch),
+                    Some(Ok(ServerMessage::Epoch(epoch))) => self.packets.begin_epoch(epoch),
                     Some(Ok(ServerMessage::Say(say))) => self.ear.say(&say),
                     Some(Ok(ServerMessage::Ghost(part))) => self.ear.ghost(&part)?,
                     Some(Ok(ServerMessage::Refused(refused))) => return Err(LinkError::Refused(refused.text)),
@@ -291,86 +264,10 @@ impl Worker {
         }
     }
 
-    /// Takes a new epoch. Datagrams of other epochs are ignored. The sequences of both ends go on; the filter accepts
-    /// any first sequence.
-    fn begin_epoch(&mut self, epoch: u32) {
-        self.epoch = epoch;
-        // The path may be another one.
-        self.meter = Meter::new();
-        self.ladder.restart();
-        self.shared.count(|numbers| numbers.filter.restart());
-    }
-
-    /// Sends the newest pose, unless it was sent before or holds a number that is not finite.
+    /// Gives the newest pose to QUIC.
     fn send_pose(&mut self) {
-        // The device's loop sends few live poses of ticks at the hand, and no rate of them falls.
-        if !self.poses.update() || self.outbox.is_none() && !self.ladder.sends() {
-            return;
-        }
-        let PosePacket { tools, tick, run } = *self.poses.output_buffer();
-        if self.outbox.is_some() && run != self.shared.restarts() {
-            return;
-        }
-        let datagram = PoseDatagram {
-            epoch: self.epoch,
-            sequence: self.sequence,
-            tools,
-            reception: self.meter.value(),
-            tick,
-        };
-        let Ok(bytes) = datagram.to_bytes() else {
-            return;
-        };
         // A full buffer drops its oldest datagram. The reader of the control stream detects a closed connection.
-        if self.connection.send_datagram(bytes.to_vec().into()).is_ok() {
-            self.sequence = self.sequence.wrapping_add(1);
-            self.shared.count(|numbers| numbers.sent += 1);
-        }
-    }
-
-    /// Takes one datagram: counts it, and hands the newest wrench of the present epoch to the device's thread.
-    fn arrived(&mut self, bytes: &[u8]) {
-        let arrived_ns = now_ns();
-        let Ok(datagram) = WrenchDatagram::from_bytes(bytes) else {
-            return self.shared.count(|numbers| numbers.malformed += 1);
-        };
-        if datagram.epoch != self.epoch {
-            return self.shared.count(|numbers| numbers.foreign += 1);
-        }
-        // The first tool that has an answer stands for both.
-        let echoes = datagram.tools.iter().map(|tool| tool.echo).enumerate();
-        let answer = echoes.into_iter().find(|(_, echo)| echo.valid);
-        let age = |echo: &Echo| arrived_ns.saturating_sub(echo.device_time_ns);
-        let newest = self.shared.count(|numbers| {
-            let newest = numbers.filter.judge(datagram.sequence) == Arrival::Newest;
-            if let Some((tool, echo)) = answer
-                && newest
-                && self.answered[tool] != Some(echo.sequence)
-            {
-                self.answered[tool] = Some(echo.sequence);
-                numbers.answered(age(&echo), &echo);
-            }
-            if newest && self.outbox.is_none() {
-                // The points of the server's grid are its clock, on which skipped ticks count.
-                let sent_ns = datagram.tick.wrapping_mul(self.tick_ns);
-                self.meter
-                    .arrived(arrived_ns, sent_ns, numbers.filter.counts());
-                let rtt = || self.connection.rtt();
-                self.ladder.told(arrived_ns, datagram.reception, rtt);
-                numbers.divisor = self.ladder.divisor();
-                numbers.falls = self.ladder.falls();
-            }
-            newest
-        });
-        if let Some(outbox) = &self.outbox {
-            outbox.computed(datagram.tick);
-        }
-        if newest {
-            self.wrenches.write(Some(WrenchPacket {
-                datagram,
-                arrived_ns,
-                age_ns: answer.map(|(_, echo)| age(&echo)),
-            }));
-        }
+        let take = |bytes: &[u8]| self.connection.send_datagram(bytes.to_vec().into()).is_ok();
+        self.packets.send_pose(take);
     }
 }
