@@ -41,6 +41,8 @@ pub use outlets::feed::{EncodedFrame, Feed, FeedPublisher, Latest, SessionFeed};
 pub use outlets::hands::TrueDepth;
 pub use session::detail::{Budget, Detail};
 pub use session::handoff::Provoked;
+#[doc(hidden)]
+pub use session::stepped;
 pub use station::config::{Exercise, ServerConfig, SessionPlan, StationConfig};
 pub use station::handle::{Server, ServerHandle};
 pub use sulcus_link::clock::monotonic_ns;

@@ -2,18 +2,23 @@
 //!
 //! Systems other than Linux have no absolute sleep and no common clock for the CPU time of a thread: the sleep is as
 //! exact as that of the standard library, and the CPU time is the monotonic time.
+//!
+//! A loop that a simulator steps reads its times from a [`Clock`], which its owner can set.
 
+use std::sync::Arc;
 use std::time::SystemTime;
 
 #[cfg(target_os = "linux")]
 mod linux;
 #[cfg(any(test, not(target_os = "linux")))]
 mod portable;
+mod set;
 
 #[cfg(target_os = "linux")]
 pub use linux::{monotonic_ns, sleep_until, thread_cpu_ns};
 #[cfg(not(target_os = "linux"))]
 pub use portable::{monotonic_ns, sleep_until, thread_cpu_ns};
+pub use set::SetClock;
 
 /// Time since 1970, UTC, nanoseconds; 0 for a clock before 1970.
 ///
@@ -23,6 +28,42 @@ pub fn unix_ns() -> u64 {
     since.map_or(0, |since| {
         u64::try_from(since.as_nanos()).unwrap_or(u64::MAX)
     })
+}
+
+/// Source of the times of a loop. Clones of a set clock share its times.
+#[derive(Clone, Debug, Default)]
+pub enum Clock {
+    /// Clocks of the system.
+    #[default]
+    System,
+    /// Times that the owner of the loop sets.
+    Set(Arc<SetClock>),
+}
+
+impl Clock {
+    /// Monotonic time, nanoseconds.
+    pub fn monotonic_ns(&self) -> u64 {
+        match self {
+            Self::System => monotonic_ns(),
+            Self::Set(clock) => clock.monotonic_ns(),
+        }
+    }
+
+    /// Time since 1970, UTC, nanoseconds.
+    pub fn unix_ns(&self) -> u64 {
+        match self {
+            Self::System => unix_ns(),
+            Self::Set(clock) => clock.unix_ns(),
+        }
+    }
+
+    /// CPU time of the calling thread, nanoseconds.
+    pub fn thread_cpu_ns(&self) -> u64 {
+        match self {
+            Self::System => thread_cpu_ns(),
+            Self::Set(clock) => clock.cpu_ns(),
+        }
+    }
 }
 
 #[cfg(test)]
@@ -45,5 +86,15 @@ mod tests {
         portable::sleep_until(0);
         let before = portable::thread_cpu_ns();
         assert!(portable::thread_cpu_ns() >= before);
+    }
+
+    #[test]
+    fn a_clock_of_the_system_reads_the_systems_clocks() {
+        let clock = Clock::default();
+        let (before, unix_before, cpu_before) = (monotonic_ns(), unix_ns(), thread_cpu_ns());
+        assert!(clock.monotonic_ns() >= before);
+        // The system's date may be set back by a moment at any time.
+        assert!(clock.unix_ns().abs_diff(unix_before) < 60_000_000_000);
+        assert!(clock.thread_cpu_ns() >= cpu_before);
     }
 }

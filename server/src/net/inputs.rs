@@ -7,7 +7,7 @@ use sulcus_link::control::{ReadError, read};
 use sulcus_proto::ClientMessage;
 use tokio::task::JoinHandle;
 
-use crate::session::running::Ports;
+use crate::session::ports::Ports;
 
 /// Application code of a stream that the server does not read.
 const NOT_READ: VarInt = VarInt::from_u32(2);

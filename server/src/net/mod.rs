@@ -6,6 +6,7 @@ mod control;
 pub(crate) mod datagrams;
 mod display;
 pub mod feed;
+pub(crate) mod greeting;
 pub(crate) mod hello;
 pub(crate) mod identity;
 mod inputs;

@@ -4,13 +4,10 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use quinn::{Connection, ConnectionError, SendStream};
-use sulcus_core::Coupling;
+use sulcus_link::clock::monotonic_ns;
 use sulcus_link::control::ReadError;
 use sulcus_proto::at_hand::LEVELS_MS;
-use sulcus_proto::control::{
-    Command, EndReason, PlanInfo, Refused, RefusedReason, ServerHello, ToolInfo, capability,
-};
-use sulcus_proto::datagram::WirePose;
+use sulcus_proto::control::{Command, EndReason, Refused, RefusedReason};
 use sulcus_proto::ghost::GhostPart;
 use sulcus_proto::permission::{self, may};
 use sulcus_proto::{ClientMessage, Role, ServerMessage};
@@ -18,12 +15,13 @@ use sulcus_sessions::Detached;
 use sulcus_sessions::exercise::events::may_a_client_say;
 use tokio::sync::mpsc::Receiver;
 
+use super::datagrams::Encoded;
+use super::greeting::server_hello;
 use super::rate::{MESSAGES_PER_S, Rate};
 use super::{CLOSE_OK, CLOSE_REFUSED, Net, close_after_last_word, control, hello, inputs};
 use crate::session::handoff::Provoked;
 use crate::session::levels::{Levels, Taken};
-use crate::session::running::Ports;
-use crate::station::config::SessionPlan;
+use crate::session::ports::Ports;
 use crate::station::door::{Attached, Door, Student, ToStation, ToStudent};
 
 /// Interval between two parts of a ghost's path. The wrenches of the hand must not wait behind the path. A part of
@@ -113,7 +111,12 @@ pub(super) async fn serve(
         why: "the connection's task ended unexpectedly".to_owned(),
     };
     let attach = (epoch, ports.is_some(), at_hand);
-    let greeting = ServerMessage::Hello(server_hello(&plan, &couplings, &net, &door, attach));
+    let greeting = ServerMessage::Hello(server_hello(
+        &plan,
+        &couplings,
+        (&door.name, net.self_test),
+        attach,
+    ));
     if !control::write(&mut send, &greeting).await {
         leaving.why = "the client took no hello".to_owned();
         connection.close(CLOSE_REFUSED, b"hello not taken");
@@ -236,7 +239,7 @@ impl StudentConnection {
                         ports.flags().provoke(Provoked::Connection);
                         let mut datagrams = ports.datagrams();
                         let newest = if datagrams.epoch() == self.epoch {
-                            datagrams.arrived(&bytes, &self.connection)
+                            datagrams.arrived(&bytes, monotonic_ns(), || self.connection.rtt())
                         } else {
                             None
                         };
@@ -253,7 +256,8 @@ impl StudentConnection {
                 () = bell.rung(), if ports.hand().is_none() => {
                     let mut datagrams = ports.datagrams();
                     if datagrams.epoch() == self.epoch {
-                        datagrams.send(&self.connection);
+                        let wrench = datagrams.wrench(monotonic_ns());
+                        self.send_datagram(wrench);
                     }
                 },
                 message = self.messages.recv() => {
@@ -274,7 +278,15 @@ impl StudentConnection {
         if let Some((tick, levels)) = levels
             && datagrams.epoch() == self.epoch
         {
-            datagrams.send_levels(tick, levels, &self.connection);
+            let levels = datagrams.levels(tick, levels);
+            self.send_datagram(levels);
+        }
+    }
+
+    fn send_datagram(&self, datagram: Option<Encoded>) {
+        if let Some(bytes) = datagram {
+            // A full buffer drops its oldest datagram. A closed connection ends the session's loop.
+            let _ = self.connection.send_datagram(bytes.to_vec().into());
         }
     }
 
@@ -417,56 +429,4 @@ impl StudentConnection {
 
 fn lost(error: &ConnectionError) -> Left {
     Left::Lost(hello::printable(&error.to_string(), 128))
-}
-
-/// Hello to a student whose connection has an epoch and may continue a running session, with the couplings in force.
-fn server_hello(
-    plan: &SessionPlan,
-    couplings: &[Coupling],
-    net: &Net,
-    door: &Door,
-    (epoch, resumed, at_hand): (u32, bool, Result<bool, &str>),
-) -> ServerHello {
-    let scene = &plan.scene;
-    let tools = scene.tools.iter().zip(couplings).map(|(tool, coupling)| {
-        let (p, q) = (&tool.park.position, &tool.park.orientation);
-        ToolInfo {
-            name: tool.name.clone(),
-            park: WirePose {
-                position: [p.x as f32, p.y as f32, p.z as f32],
-                orientation: [q.w as f32, q.i as f32, q.j as f32, q.k as f32],
-            },
-            tip: [tool.tip.x as f32, tool.tip.y as f32, tool.tip.z as f32],
-            stiffness_n_per_m: coupling.n_per_m,
-            stiffness_nm_per_rad: coupling.nm_per_rad,
-        }
-    });
-    let limit_s = plan.max_session.map_or(0, |limit| limit.as_secs());
-    ServerHello {
-        program: env!("CARGO_PKG_VERSION").to_owned(),
-        station: door.name.to_string(),
-        epoch,
-        resumed,
-        plan: PlanInfo {
-            revision: plan.revision,
-            mode: plan.mode.name().to_owned(),
-            time_limit_s: u32::try_from(limit_s).unwrap_or(u32::MAX),
-            resume_within_ms: u32::try_from(plan.resume_within.as_millis()).unwrap_or(u32::MAX),
-            clock_in_gap: plan.clock_in_gap,
-            tick_at_hand: at_hand == Ok(true),
-            tick_remark: at_hand.err().unwrap_or_default().to_owned(),
-        },
-        capabilities: capability::TICK_AT_HAND,
-        self_test: net.self_test,
-        tick_ns: scene.params.tick_ns(),
-        scene: scene.name.clone(),
-        scene_hash: *blake3::hash(&plan.scene_bytes).as_bytes(),
-        exercise: plan.exercise.name.clone(),
-        exercise_text: plan.exercise.text.clone(),
-        max_force_n: scene.params.max_force as f32,
-        max_torque_nm: scene.params.max_torque as f32,
-        max_force_step_n: scene.params.max_force_step as f32,
-        max_torque_step_nm: scene.params.max_torque_step as f32,
-        tools: tools.collect(),
-    }
 }

@@ -4,7 +4,6 @@ use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 
 use sulcus_core::{Coupling, Scene, State};
-use sulcus_link::clock::unix_ns;
 use sulcus_program::PathText;
 use sulcus_proto::control::DeviceInfo;
 use sulcus_proto::station::StationEvent;
@@ -52,14 +51,14 @@ pub(crate) struct Opening {
     pub feed: Arc<Mutex<FeedPublisher>>,
 }
 
-/// Opens a recording under a new name and writes header, scene and first state.
+/// Opens a recording under a new name and writes header, scene and first state. `started` is the session's begin,
+/// nanoseconds since 1970.
 ///
 /// # Errors
 /// The key is unusable, the folder is missing, the disk is full, or a thousand sessions began in this second. The error
 /// is a sentence for the status.
-pub(crate) fn open(opening: Opening) -> Result<Open, String> {
+pub(crate) fn open(opening: Opening, started: u64) -> Result<Open, String> {
     let plan = &opening.plan;
-    let started = unix_ns();
     let header = SessionHeader {
         exercise_name: plan.exercise.name.clone(),
         exercise: plan.exercise.definition.clone(),

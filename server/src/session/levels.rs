@@ -13,7 +13,7 @@ use tokio::sync::Notify;
 
 /// Pause and force limit of one side.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(crate) struct Level {
+pub struct Level {
     /// Whether the side has paused: all forces ramp to zero.
     pub paused: bool,
     /// Largest force, newtons; 0: the scene's limit.
@@ -22,7 +22,7 @@ pub(crate) struct Level {
 
 /// Levels of both sides in one tick.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(crate) struct InForce {
+pub struct InForce {
     /// Level of the station's side.
     pub station: Level,
     /// Level of the student.
@@ -57,7 +57,7 @@ impl InForce {
 
 /// Outcome of a command.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Taken {
+pub enum Taken {
     /// The level has the value of the command.
     Set,
     /// The command ended a pause of the side: a new session epoch begins, even if the other side still has a pause.

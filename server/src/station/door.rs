@@ -14,7 +14,7 @@ use tokio::sync::{broadcast, mpsc, oneshot, watch};
 use crate::outlets::feed::{Feed, FeedPublisher};
 use crate::session::handoff::Provoked;
 use crate::session::levels::Levels;
-use crate::session::running::Ports;
+use crate::session::ports::Ports;
 use crate::state::Grant;
 use crate::station::at_hand::Wish;
 use crate::station::config::SessionPlan;

@@ -11,7 +11,7 @@ use tokio::sync::oneshot;
 
 use crate::net::codes::Left;
 use crate::session::levels::Taken;
-use crate::session::running::Ports;
+use crate::session::ports::Ports;
 use crate::station::actor::{State, Station};
 use crate::station::config::SessionPlan;
 use crate::station::door::ToStudent;

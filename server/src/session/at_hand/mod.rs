@@ -257,8 +257,8 @@ impl Drop for Leaving {
 }
 
 impl HandTicks {
-    /// Starts the thread. It ends after [`HandPort::stop`], when it has computed the batches that wait.
-    pub fn spawn(self, rings: Rings) -> std::io::Result<(JoinHandle<Metrics>, HandPort)> {
+    /// Loop of the ticks, before its thread, and its ends for the connections.
+    pub fn with_port(self, rings: Rings) -> (HandLoop, HandPort) {
         let (to_ticks, inbox) = mpsc::channel(WAITING);
         let shared = Arc::new(Shared {
             guard: Mutex::new(Guard::new(
@@ -279,7 +279,8 @@ impl HandTicks {
             to_ticks,
             shared: shared.clone(),
         };
-        let thread = Thread {
+        let ticks = HandLoop {
+            inbox,
             state: State::new(&self.scene),
             workspace: Workspace::new(&self.scene),
             queue: Queue::new(rings, &self.scene.params),
@@ -291,15 +292,14 @@ impl HandTicks {
             of: self,
             shared,
         };
-        let handle = std::thread::Builder::new()
-            .name("sulcus-hand".into())
-            .spawn(move || thread.run(inbox))?;
-        Ok((handle, port))
+        (ticks, port)
     }
 }
 
-struct Thread {
+/// Loop of the ticks at the hand.
+pub(crate) struct HandLoop {
     of: HandTicks,
+    inbox: mpsc::Receiver<ToTicks>,
     shared: Arc<Shared>,
     state: State,
     workspace: Workspace,
@@ -314,14 +314,21 @@ struct Thread {
     metrics: Metrics,
 }
 
-impl Thread {
-    fn run(mut self, mut inbox: mpsc::Receiver<ToTicks>) -> Metrics {
+impl HandLoop {
+    /// Starts the thread. It ends after [`HandPort::stop`], when it has computed the batches that wait.
+    pub fn spawn(self) -> std::io::Result<JoinHandle<Metrics>> {
+        std::thread::Builder::new()
+            .name("sulcus-hand".into())
+            .spawn(move || self.run())
+    }
+
+    fn run(mut self) -> Metrics {
         let _leaving = Leaving(self.of.flags.clone(), self.of.bell.clone());
         self.tell(Occurrence::ticks_at_hand());
-        while let Some(message) = inbox.blocking_recv() {
+        while let Some(message) = self.inbox.blocking_recv() {
             if Flags::is_up(&self.of.flags.stop) {
                 // Batches that wait now are computed, later ones are not.
-                inbox.close();
+                self.inbox.close();
             }
             if let ToTicks::Batch(batch, arrived_ns) = message {
                 self.batch(&batch, arrived_ns);

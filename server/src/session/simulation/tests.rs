@@ -6,14 +6,15 @@ mod counting;
 use counting::calls;
 use rtrb::{Consumer, Producer, RingBuffer};
 use sulcus_core::tissue::TissueModel;
-use sulcus_core::{DisplayMesh, Object, Params, Pose, Quat, Sphere, SphereTree, Tool, Vec3};
+use sulcus_core::{DisplayMesh, Object, Params, Pose, Quat, Sphere, SphereTree, State, Tool, Vec3};
+use sulcus_link::clock::monotonic_ns;
 use sulcus_proto::PoseDatagram;
 use sulcus_sessions::exercise::events::Look;
 use sulcus_sessions::{Sampler, Shapes};
 use triple_buffer::triple_buffer;
 
 use super::*;
-use crate::outlets::recording::Entry;
+use crate::outlets::recording::{Entry, Ticked};
 
 #[test]
 fn status_bits_are_the_same_in_core_and_on_the_wire() {
@@ -76,6 +77,12 @@ pub(crate) fn scene() -> Scene {
     }
 }
 
+/// Waits for the next grid point, as the thread does, and steps.
+fn step(ticker: &mut Ticker) {
+    sleep_until(ticker.next_ns());
+    assert_eq!(ticker.step(), ticker.next_ns());
+}
+
 struct Bench {
     ticker: Ticker,
     poses: triple_buffer::Input<Option<PoseIn>>,
@@ -110,6 +117,7 @@ fn bench(rows: usize) -> Bench {
         flags: Arc::default(),
         progress: Arc::default(),
         detail: Detail::default(),
+        clock: Clock::System,
         real_time: false,
         places: Arc::new(Places::of(1)),
         core: None,
@@ -123,7 +131,7 @@ fn bench(rows: usize) -> Bench {
         shapes: shapes_out,
     };
     let mut ticker = Ticker::new(simulation, rings, Metrics::new());
-    ticker.grid.begin(monotonic_ns(), unix_ns(), false, 0);
+    ticker.begin(false);
     Bench {
         ticker,
         poses,
@@ -151,7 +159,7 @@ fn a_step_allocates_nothing() {
     for k in 0..300 {
         bench.poses.write(pose(0.006 - 2e-5 * k as f32));
         bench.pressed.press(0, 1);
-        bench.ticker.step();
+        step(&mut bench.ticker);
     }
     assert_eq!(calls(), before);
     assert!(bench.ticker.metrics.ticks == 300 && bench.ticker.state.tick >= 300);
@@ -170,7 +178,7 @@ fn rows_follow_the_grid_and_a_snapshot_follows_its_row() {
             // A delay, in which grid points pass.
             std::thread::sleep(std::time::Duration::from_millis(10));
         }
-        bench.ticker.step();
+        step(&mut bench.ticker);
     }
     let (mut tick, mut snapshots) = (0, 0);
     while let Ok(entry) = bench.entries.pop() {
@@ -219,11 +227,11 @@ fn a_recorder_that_stalls_costs_rows_and_says_so() {
     // No snapshot may come before the ring is full, at any position of the clock's grid.
     bench.ticker.queue.next_snapshot = u64::MAX;
     for _ in 0..4 {
-        bench.ticker.step();
+        step(&mut bench.ticker);
     }
     bench.ticker.queue.next_snapshot = 0;
     for _ in 0..6 {
-        bench.ticker.step();
+        step(&mut bench.ticker);
     }
     assert_eq!(bench.ticker.metrics.rows_dropped, 6);
     assert_eq!(bench.ticker.metrics.snapshots_dropped, 1);
