@@ -11,7 +11,7 @@ const WIDEST: usize = 120;
 /// Longest sentence of a comment, words. The aim is 25; a formula or a list of names may take a few more.
 const LONGEST_SENTENCE: usize = 30;
 /// Folders whose comments follow "How to write" of CONTRIBUTING.md. Each change of a further folder adds it.
-const REWORDED: [&str; 24] = [
+const REWORDED: [&str; 25] = [
     "server/core",
     "server/display",
     "server/fem",
@@ -35,6 +35,7 @@ const REWORDED: [&str; 24] = [
     "sessions/view",
     "sessions/fuzz",
     "tests/relay",
+    "tests/simulation",
     "tests/support",
 ];
 /// First words of a comment whose subject is no noun.
@@ -217,7 +218,7 @@ fn the_checks_have_an_exit_code_for_each_crate() {
     let rows = script.split("CRATES=(").nth(1).expect("the rows");
     let rows = rows.split(')').next().expect("the rows");
     let rows: Vec<&str> = rows.split_whitespace().collect();
-    assert!(rows.is_sorted() && rows.len() < 29, "{rows:?}");
+    assert!(rows.is_sorted() && rows.len() < 30, "{rows:?}");
     let mut packages = packages();
     packages.sort();
     assert_eq!(rows, packages);

@@ -289,6 +289,12 @@ pub const LONG: &[Long] = &[
         5.0,
     ),
     long(
+        "hall-a",
+        "sulcus-simulation",
+        "Two hundred classes of two stations hold all invariants through 30 s of faults in virtual time.",
+        10.0,
+    ),
+    long(
         "any-bytes",
         "sulcus-client",
         "Ten million messages of any bytes cause no panic; over a connection they leave the memory as it is.",
