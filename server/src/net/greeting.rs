@@ -6,8 +6,8 @@ use sulcus_proto::datagram::WirePose;
 
 use crate::station::config::SessionPlan;
 
-/// Hello to a student whose connection has an epoch and may continue a running session, with the couplings in force,
-/// from a station with this name on a machine with this hash of the tick self-test.
+/// Hello to a student whose connection has an epoch and may continue a running session, with the couplings in force.
+/// The pair is the station's name and the hash of the machine's tick self-test.
 pub(crate) fn server_hello(
     plan: &SessionPlan,
     couplings: &[Coupling],

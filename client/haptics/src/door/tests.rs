@@ -358,7 +358,7 @@ fn the_rules_of_a_guard_limit_the_force_to_what_the_slew_limit_takes_away() {
     assert!(rules.passivity.max_force <= 1.3);
 }
 
-/// A simulated class found up to 0.3 N at a hand in a pause: a controller of energy went on to brake a fast hand for the
+/// A simulated class found up to 0.3 N at a hand in a pause: the passivity controller went on to brake the hand for the
 /// contact before.
 #[test]
 fn in_a_pause_no_brake_is_left_of_a_contact() {

@@ -78,8 +78,8 @@ pub(crate) fn collide(
     }
 }
 
-/// Lists all contacts with rigid objects, and beside them the deepest overlaps with tissue. Returns whether every listed
-/// contact with tissue is an overlap of more than [`OVERLAP`]; otherwise the list is no answer.
+/// Lists all contacts with rigid objects, and beside them the deepest overlaps with tissue. Returns whether every
+/// listed contact with tissue is an overlap of more than [`OVERLAP`]. Otherwise the list is no answer.
 ///
 /// Tissue relaxes into an absent tool. The overlaps of the tool that comes back can fill the list at any distance. At
 /// the smallest one the tool would leave the tissue by 1 um in a substep. The dropped contacts are shallower than the
@@ -116,8 +116,8 @@ enum Objects {
     Yielding,
 }
 
-/// Adds the contacts of the group's tools with `objects` to the list of the group's substep. `d` is the distance, `share`
-/// the share of the reach of blended surfaces.
+/// Adds the contacts of the group's tools with `objects` to the list of the group's substep. `d` is the distance,
+/// `share` the share of the reach of blended surfaces.
 ///
 /// # Errors
 /// The list is full.

@@ -20,7 +20,7 @@ use crate::session::changes::Changes;
 use crate::session::gaps::Gaps;
 use crate::session::handoff::{Attachment, Provoked};
 
-/// What follows a step of the recorder.
+/// Continuation after a step of the recorder.
 pub(crate) enum Step {
     /// The next step, at once: a message was taken, and more may wait.
     Again,

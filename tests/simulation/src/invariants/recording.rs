@@ -20,7 +20,7 @@ struct Stated {
     error: Option<String>,
 }
 
-/// What the recording has to show.
+/// Content that the recording must have.
 ///
 /// A gap begins with the first tick without the student, and ends with the first tick with the student. A gap without
 /// such an end may or may not count; the contract says nothing of it.

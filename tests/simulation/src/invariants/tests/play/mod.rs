@@ -27,7 +27,7 @@ pub fn facts() -> Facts {
     }
 }
 
-/// What happens in one millisecond.
+/// Events of one millisecond.
 #[derive(Clone, Default)]
 pub struct Turn {
     /// Orders, before the tick.
