@@ -31,7 +31,7 @@ pub struct Wanted {
     pub heard_ns: Option<u64>,
     /// Whether the session ends: the force falls to zero, and damping ends.
     pub leaving: bool,
-    /// Whether the session is paused: the wrench of the simulation falls to zero, and damping ends with it.
+    /// Whether the session is paused: damping ends as soon as the wrench of the simulation has fallen to zero.
     pub paused: bool,
     /// Number of presses of a key that replaces the device's button.
     pub presses: u32,
@@ -187,7 +187,8 @@ impl Door {
         };
         self.account(falling_ms * 1e-3);
         self.gate = self.watchdog.gate(now_ns) * self.guarded_share(now_ns);
-        let damping = if self.wanted.leaving || self.wanted.paused {
+        let is_over = self.wanted.paused && self.wanted.wrench == Wrench::ZERO;
+        let damping = if self.wanted.leaving || is_over {
             0.0
         } else {
             self.gate

@@ -14,10 +14,10 @@ use sulcus_simulation::run::Outcome;
 /// Sessions in virtual time, with faults drawn from seeds.
 ///
 /// The loops of server and client run in steps over a network in memory. After each event, invariants are checked.
-/// A failing seed prints the command that shows it again, and the events of its last second.
+/// Each failing seed prints the command that shows it again. The first one prints the events of its last second, too.
 ///
-/// Known faults are listed in `known.rs`. The exit code is 1 for a broken invariant that is not listed, and for a listed
-/// one that none of 20 seeds or more shows.
+/// Known faults are listed in `known.rs`. The exit code is 1 for a broken invariant that is not listed. It is also 1
+/// for a listed one that none of 20 seeds or more shows.
 #[derive(Parser)]
 #[command(name = "sulcus-simulation", version)]
 struct Args {

@@ -1,8 +1,8 @@
 //! One session in virtual time: a station, a student, and the network between them, with the happenings of a seed.
 //!
 //! The loops are those of the live programs: the ticks, the recorder and the datagrams of the server, the datagrams and
-//! the loop of the device of the client. The network, the control stream, the end of connections and the disk's delays
-//! are models of this file. No thread, socket or clock takes part.
+//! the loop of the device of the client. The network, the control stream, the station between connections and session,
+//! and the delays of a slow disk are models. No socket takes part, and no result depends on a thread or a clock.
 
 mod connections;
 mod happenings;
@@ -127,7 +127,6 @@ pub struct Run {
     attempt_ns: Option<u64>,
     former: VecDeque<Arc<[u8]>>,
     ticks: u64,
-    passed: u64,
 }
 
 /// Clocks of the machines at the virtual time 0, nanoseconds.
@@ -187,7 +186,6 @@ impl Run {
             attempt_ns: None,
             former: VecDeque::new(),
             ticks: 0,
-            passed: 0,
             rng,
         };
         run.see(Seen::Epoch(epoch));
@@ -214,12 +212,14 @@ impl Run {
                         break;
                     }
                 }
+                Due::End if self.hands.leaves => {
+                    let text = "a hand is not let go at the end of a session".to_owned();
+                    self.found.fail(self.now_ns, Broken { number: 13, text });
+                    break;
+                }
                 Due::End => {
-                    if self.now_ns > self.length_ns + 2 * SILENT {
-                        break;
-                    }
                     self.hands.leaves = true;
-                    self.length_ns = u64::MAX / 2;
+                    self.length_ns = self.now_ns + 2 * SILENT;
                 }
             }
         }
@@ -406,7 +406,6 @@ impl Run {
                     .add(self.now_ns, "displayed", &x.to_bits().to_le_bytes());
             }
         }
-        self.passed += 1;
         self.see(Seen::Pass(Box::new(pass)));
         if let Some(bytes) = self.link.pose_bytes() {
             let (length, bytes) = (bytes.len(), Arc::<[u8]>::from(bytes));

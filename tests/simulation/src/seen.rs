@@ -106,7 +106,7 @@ pub enum Seen {
     Ordered(Side, Command),
     /// A tick.
     Tick(Box<Tick>),
-    /// Lengths of the recorder's queue and of the longest network queue, entries.
+    /// Length of the recorder's queue.
     Queues {
         /// Entries that wait for the recorder.
         recorder: usize,

@@ -29,7 +29,7 @@ pub(crate) struct Fits {
 /// Even the smallest distance can overflow, as with a flat tool on a flat face. The list then keeps the smallest gaps.
 /// The dropped contacts are within the smallest distance. No substep moves farther, and the next substep ranks again.
 ///
-/// A tool that arrives deep in tissue is an exception: see [`collide_deep`].
+/// A tool alone that arrives deep in tissue is an exception: see [`collide_deep`].
 pub(crate) fn collide(
     scene: &Scene,
     state: &State,
@@ -41,9 +41,8 @@ pub(crate) fn collide(
     let longest = group.iter().fold(0.0, |most, &t| fmax(most, ws.levers[t]));
     let index = substep_of(group);
     let mut cut = share < 1.0;
-    let mut arrives = group
-        .iter()
-        .all(|&t| state.tools[t].arrival == Arrival::Travelling);
+    // Of two tools, the deeper one could fill the list alone, and the other one would feel no tissue.
+    let mut arrives = matches!(group, [t] if state.tools[*t].arrival == Arrival::Travelling);
     loop {
         let overflow = if d.base > SMALLEST_PREDICTION || d.turn > 0.0 {
             Overflow::Stop
